@@ -1,0 +1,72 @@
+"""The errors plumbline raises, and nothing else.
+
+    PlumblineError
+    ├── ReadError                a file that cannot be read or makes no sense
+    ├── WriteError               a file that cannot or must not be written
+    ├── OptionError              an argument that contradicts the data or another argument
+    │   └── UnsupportedModelError
+    ├── DegenerateLinesError     the lines cannot show what is asked of them
+    │   └── CollapsedFitError    the fit ran off to a nonsensical lens
+    └── FoldedError              a point lies where the distortion folds over
+
+Every message is one sentence for the user; `hint` is the remedy. A fit that does not
+converge is no exception: see `Calibration.converged`.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+
+class PlumblineError(Exception):
+    """Base of all errors that plumbline raises on purpose.
+
+    Args:
+        message: What is wrong, in one sentence.
+        hint: What the user can do about it; may be empty.
+    """
+
+    def __init__(self, message: str, *, hint: str = "") -> None:
+        super().__init__(message)
+        self.message = message
+        self.hint = hint
+
+
+class _FileError(PlumblineError):
+    """An error about a file, and perhaps a line of it (counted from 1)."""
+
+    def __init__(
+        self, message: str, *, path: str | Path = "", line: int | None = None, hint: str = ""
+    ) -> None:
+        where = str(path) + (f", line {line}" if line is not None else "")
+        super().__init__(f"{where}: {message}" if where else message, hint=hint)
+        self.path = str(path)
+        self.line = line
+
+
+class ReadError(_FileError):
+    """A file is missing, unreadable, or does not hold what it should."""
+
+
+class WriteError(_FileError):
+    """A file cannot be written, or must not be overwritten."""
+
+
+class OptionError(PlumblineError, ValueError):
+    """An argument is unknown, or contradicts the data or another argument."""
+
+
+class UnsupportedModelError(OptionError):
+    """The distortion model is unknown, or the target format cannot hold it."""
+
+
+class DegenerateLinesError(PlumblineError):
+    """The lines cannot determine the coefficients asked for."""
+
+
+class CollapsedFitError(DegenerateLinesError):
+    """The fit reached a small residual by shrinking or folding the photo."""
+
+
+class FoldedError(PlumblineError):
+    """The distortion folds over: some points have no counterpart on the other side."""

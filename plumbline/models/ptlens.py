@@ -1,0 +1,39 @@
+"""The a, b, c polynomial of Panorama Tools.
+
+    r_obs = r (a r³ + b r² + c r + 1 − a − b − c),   r the ideal radius
+
+Direction: ideal → observed. Normalisation: r = 1 at half the shorter side, where the scale
+is 1 whatever the coefficients. b < 0 is barrel distortion. Source: H. Dersch, Panorama Tools
+(1998), `radial()` in libpano13; the same in ImageMagick's Barrel and LensFun's `ptlens`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from plumbline.models.base import Model
+
+
+@dataclass(frozen=True)
+class PTLens(Model):
+    """r_obs = r (a r³ + b r² + c r + 1 − a − b − c)."""
+
+    name = "ptlens"
+    direction = "ideal to observed"
+    gauge = 1
+    formula = "r_obs = r (a r³ + b r² + c r + 1 − a − b − c)"
+    use = "Panorama Tools, Hugin, PTGui, PTLens, LensFun, ImageMagick Barrel"
+
+    @property
+    def coefficients(self) -> tuple[str, ...]:
+        """a, b, c."""
+        return "a", "b", "c"
+
+    def factor(self, r: Any, c: Any) -> Any:
+        """a r³ + b r² + c r + 1 − a − b − c."""
+        return ((c[0] * r + c[1]) * r + c[2]) * r + (1.0 - c[0] - c[1] - c[2])
+
+    def slope(self, r: Any, c: Any) -> Any:
+        """4a r³ + 3b r² + 2c r + 1 − a − b − c."""
+        return ((4 * c[0] * r + 3 * c[1]) * r + 2 * c[2]) * r + (1.0 - c[0] - c[1] - c[2])

@@ -1,0 +1,321 @@
+"""What was picked: photographs, the lenses that took them, and points grouped by line.
+
+Nothing here knows a file format or a model. Formats make `Observations`, the fit consumes
+them, and the result embeds them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from plumbline.errors import DegenerateLinesError, OptionError, ReadError
+from plumbline.frame import Array, Frame
+
+MAX_SIDE = 1_000_000
+
+
+@dataclass(frozen=True)
+class LensFacts:
+    """What is known of a lens before the fit, from a project, EXIF or the user.
+
+    Unknown stays None or empty: measured values are never invented.
+
+    Attributes:
+        maker: Maker of the lens, or of the camera if the lens names none.
+        model: Name of the lens.
+        camera: Maker and model of the camera.
+        mount: Name of the mount.
+        focal_mm: Real focal length.
+        crop_factor: Diagonal of the 35-mm frame over that of the sensor.
+        hfov_deg: Horizontal field of view.
+        focal_px: Focal length in pixels.
+        stored: Lens values found in the file (`a`…`e`, `g`, `t` for a Hugin project).
+        requested: Coefficients the file asks to optimise; None if it does not say.
+        projection: "rectilinear", or the name of what it is instead.
+    """
+
+    maker: str = ""
+    model: str = ""
+    camera: str = ""
+    mount: str = ""
+    focal_mm: float | None = None
+    crop_factor: float | None = None
+    hfov_deg: float | None = None
+    focal_px: float | None = None
+    stored: Mapping[str, float] = field(default_factory=dict[str, float])
+    requested: tuple[str, ...] | None = None
+    projection: str = "rectilinear"
+
+
+@dataclass(frozen=True)
+class Photo:
+    """One photograph.
+
+    Attributes:
+        size: Width and height in pixels, as picked; None while still unknown.
+        name: File name as the source gives it; may be empty.
+        lens: Index into `Observations.lenses`.
+        pixel_aspect: Width of one pixel over its height.
+    """
+
+    size: tuple[int, int] | None
+    name: str = ""
+    lens: int = 0
+    pixel_aspect: float = 1.0
+
+    @property
+    def frame(self) -> Frame:
+        """The photo's rectangle.
+
+        Raises:
+            OptionError: the size is not known.
+        """
+        if self.size is None:
+            raise OptionError(
+                "the size of the photo is not known",
+                hint="give the photo with --photo FILE or its size with --size WIDTHxHEIGHT",
+            )
+        return Frame(*self.size, self.pixel_aspect)
+
+
+@dataclass(frozen=True)
+class Line:
+    """Points picked along one straight edge, in the order along it.
+
+    Attributes:
+        points_px: Observed points, shape (n, 2), the photo's own pixels.
+        photo: Index into `Observations.photos`.
+        label: The line's name in the source.
+        rows: Where each point stands in the source file, counted from 1; None for arrays.
+    """
+
+    points_px: Array
+    photo: int = 0
+    label: str = ""
+    rows: NDArray[np.int64] | None = None
+
+
+@dataclass(frozen=True)
+class Origin:
+    """Where observations came from, kept so that a project can be written back losslessly.
+
+    Attributes:
+        path: The file as named by the user.
+        format: Name of its format.
+        content: Its bytes.
+    """
+
+    path: str
+    format: str
+    content: bytes = field(repr=False, default=b"")
+
+
+@dataclass(frozen=True)
+class Observations:
+    """Photos, lenses and lines, checked as far as one file can be.
+
+    Attributes:
+        photos: The photographs.
+        lines: The lines with at least three distinct points.
+        lenses: Facts about the lenses that took the photos.
+        notes: What a reader left aside or assumed, in plain sentences.
+        origins: The files they were read from; empty for arrays.
+    """
+
+    photos: tuple[Photo, ...]
+    lines: tuple[Line, ...]
+    lenses: tuple[LensFacts, ...] = (LensFacts(),)
+    notes: tuple[str, ...] = ()
+    origins: tuple[Origin, ...] = ()
+
+    @classmethod
+    def from_arrays(
+        cls,
+        lines: Iterable[ArrayLike],
+        size: tuple[int, int],
+        *,
+        labels: Sequence[str] | None = None,
+        focal_px: float | None = None,
+        pixel_aspect: float = 1.0,
+    ) -> Observations:
+        """Observations of one photo from arrays.
+
+        Args:
+            lines: One (n, 2) array of pixel coordinates a line, n ≥ 3.
+            size: Width and height of the photo in pixels.
+            labels: Names of the lines; numbers from 1 by default.
+            focal_px: Focal length in pixels, for the models that need it.
+            pixel_aspect: Width of one pixel over its height.
+
+        Raises:
+            OptionError: an array has the wrong shape or holds NaN or infinity, or the size
+                is not positive.
+
+        Example:
+            >>> import plumbline
+            >>> edge = [[10, 12], [200, 9], [390, 12]]
+            >>> plumbline.Observations.from_arrays([edge], size=(400, 300)).n_points
+            3
+        """
+        made: list[Line] = []
+        names = list(labels) if labels is not None else []
+        for index, values in enumerate(lines):
+            label = names[index] if index < len(names) else str(index + 1)
+            try:
+                points = np.array(values, dtype=np.float64)
+            except (TypeError, ValueError) as error:
+                raise OptionError(f"line {label} is not an array of numbers: {error}") from None
+            if points.ndim != 2 or points.shape[1] != 2:
+                raise OptionError(
+                    f"line {label} has shape {points.shape}",
+                    hint="give one array of shape (n, 2), x and y in pixels, for each line",
+                )
+            made.append(Line(points, 0, label))
+        facts = LensFacts(focal_px=focal_px)
+        photo = Photo(size, pixel_aspect=pixel_aspect)
+        return cls((photo,), tuple(made), (facts,)).checked()
+
+    @property
+    def n_points(self) -> int:
+        """Number of points on all lines."""
+        return sum(len(line.points_px) for line in self.lines)
+
+    def of_lens(self, lens: int) -> Observations:
+        """Only the photos and lines taken with lens number `lens` (from 0)."""
+        return self._only([i for i, photo in enumerate(self.photos) if photo.lens == lens])
+
+    def of_photo(self, photo: int) -> Observations:
+        """Only photo number `photo` (from 0) and its lines."""
+        return self._only([photo])
+
+    def _only(self, keep: list[int]) -> Observations:
+        photo_number = {old: new for new, old in enumerate(keep)}
+        used = sorted({self.photos[old].lens for old in keep})
+        lens_number = {old: new for new, old in enumerate(used)}
+        photos = [self.photos[old] for old in keep]
+        return replace(
+            self,
+            photos=tuple(replace(p, lens=lens_number[p.lens]) for p in photos),
+            lines=tuple(
+                replace(line, photo=photo_number[line.photo])
+                for line in self.lines
+                if line.photo in photo_number
+            ),
+            lenses=tuple(self.lenses[old] for old in used),
+        )
+
+    def squared(self) -> Observations:
+        """The same observations in the photo resampled to square pixels.
+
+        Widths are rounded to whole pixels; points keep their place relative to the edges.
+        """
+        if all(photo.pixel_aspect == 1.0 for photo in self.photos):
+            return self
+        photos: list[Photo] = []
+        for photo in self.photos:
+            width, height = photo.frame.square_size
+            photos.append(replace(photo, size=(round(width), round(height)), pixel_aspect=1.0))
+        lines: list[Line] = []
+        for line in self.lines:
+            stretch = photos[line.photo].frame.width / self.photos[line.photo].frame.width
+            points = (line.points_px + 0.5) * np.array([stretch, 1.0]) - 0.5
+            lines.append(replace(line, points_px=points))
+        return replace(self, photos=tuple(photos), lines=tuple(lines))
+
+    def checked(self) -> Observations:
+        """The same observations after the checks that need no fit.
+
+        Lines with fewer than three distinct points are set aside with a note; exact
+        duplicates of a point on its line are dropped with a note.
+
+        Raises:
+            OptionError: a size is missing or absurd, a coordinate is not finite, or a point
+                lies outside its photo.
+            DegenerateLinesError: no line is left.
+        """
+        for photo in self.photos:
+            _check_size(photo)
+        notes = list(self.notes)
+        kept: list[Line] = []
+        short: list[str] = []
+        duplicates = 0
+        for line in self.lines:
+            self._check_points(line)
+            first = _first_of_each(line.points_px)
+            duplicates += len(line.points_px) - len(first)
+            if len(first) < 3:
+                short.append(f"{line.label} ({count(len(first), 'point')})")
+            elif len(first) == len(line.points_px):
+                kept.append(line)
+            else:
+                rows = None if line.rows is None else line.rows[first]
+                kept.append(replace(line, points_px=line.points_px[first], rows=rows))
+        if duplicates:
+            notes.append(f"{count(duplicates, 'point')} picked twice on one line counted once")
+        if short:
+            notes.append(
+                f"{count(len(short), 'line')} set aside for having fewer than 3 distinct points: "
+                + listed(short)
+            )
+        if not kept:
+            raise DegenerateLinesError(
+                f"{self.named}no line with at least 3 distinct points"
+                + (f" (set aside: {listed(short)})" if short else ""),
+                hint="pick at least three points along each straight edge",
+            )
+        return replace(self, lines=tuple(kept), notes=tuple(notes))
+
+    @property
+    def named(self) -> str:
+        """The name of the file they came from with a colon, for messages; else empty."""
+        return f"{self.origins[0].path}: " if len(self.origins) == 1 else ""
+
+    def _check_points(self, line: Line) -> None:
+        frame = self.photos[line.photo].frame
+        good = frame.contains(line.points_px)  # NaN and infinity lie nowhere
+        if np.all(good):
+            return
+        worst = int(np.argmin(good))
+        x, y = line.points_px[worst]
+        sentence = f"the point ({x:g}, {y:g}) of line {line.label} " + (
+            f"lies outside the {frame.width}x{frame.height} photo"
+            if np.isfinite(x) and np.isfinite(y)
+            else "is no finite number"
+        )
+        hint = "check the photo's size and the point; pixels count from 0 at the top left"
+        if len(self.origins) == 1:
+            row = None if line.rows is None else int(line.rows[worst])
+            raise ReadError(sentence, path=self.origins[0].path, line=row, hint=hint)
+        raise OptionError(sentence, hint=hint)
+
+
+def _check_size(photo: Photo) -> None:
+    width, height = photo.frame.size
+    name = f" of {photo.name}" if photo.name else ""
+    if not (0 < width <= MAX_SIDE and 0 < height <= MAX_SIDE):
+        raise OptionError(
+            f"the size {width}x{height}{name} is impossible",
+            hint="give the size in pixels as --size WIDTHxHEIGHT",
+        )
+    if not 0.01 <= photo.pixel_aspect <= 100:
+        raise OptionError(f"a pixel aspect of {photo.pixel_aspect} is impossible")
+
+
+def _first_of_each(points: Array) -> NDArray[np.int64]:
+    _, first = np.unique(points, axis=0, return_index=True)
+    return np.sort(first)
+
+
+def count(number: int, noun: str) -> str:
+    """A number with its noun: "1 line", "2 lines"."""
+    return f"{number:,} {noun}" + ("" if number == 1 else "s")
+
+
+def listed(items: Sequence[str], most: int = 8) -> str:
+    """The first items separated by commas, and how many more there are."""
+    more = f" and {len(items) - most} more" if len(items) > most else ""
+    return ", ".join(items[:most]) + more
