@@ -12,7 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from plumbline.models.base import Model
+from plumbline.models.base import Model, even, even_slope
 
 
 @dataclass(frozen=True)
@@ -34,10 +34,8 @@ class ACM(Model):
 
     def factor(self, r: Any, c: Any) -> Any:
         """1 + k1 r² + k2 r⁴ + k3 r⁶."""
-        r2 = r * r
-        return 1.0 + (c[0] + (c[1] + c[2] * r2) * r2) * r2
+        return even(r, c[0], c[1], c[2])
 
     def slope(self, r: Any, c: Any) -> Any:
         """1 + 3 k1 r² + 5 k2 r⁴ + 7 k3 r⁶."""
-        r2 = r * r
-        return 1.0 + (3 * c[0] + (5 * c[1] + 7 * c[2] * r2) * r2) * r2
+        return even_slope(r, c[0], c[1], c[2])

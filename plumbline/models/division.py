@@ -12,7 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from plumbline.models.base import Model
+from plumbline.models.base import Model, even
 
 
 @dataclass(frozen=True)
@@ -32,11 +32,9 @@ class Division(Model):
 
     def factor(self, r: Any, c: Any) -> Any:
         """1 / (1 + l1 r² + l2 r⁴)."""
-        r2 = r * r
-        return 1.0 / (1.0 + (c[0] + c[1] * r2) * r2)
+        return 1.0 / even(r, c[0], c[1])
 
     def slope(self, r: Any, c: Any) -> Any:
-        """(1 − l1 r² − 3 l2 r⁴) / (1 + l1 r² + l2 r⁴)²."""
-        r2 = r * r
-        below = 1.0 + (c[0] + c[1] * r2) * r2
-        return (1.0 - (c[0] + 3 * c[1] * r2) * r2) / (below * below)
+        """(1 − l1 r² − 3 l2 r⁴) / (1 + l1 r² + l2 r⁴)², negative beyond the pole."""
+        below = even(r, c[0], c[1])
+        return even(r, -c[0], -3 * c[1]) / (below * abs(below))

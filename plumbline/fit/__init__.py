@@ -1,0 +1,1 @@
+"""The fit: the only floor that knows JAX's solver."""

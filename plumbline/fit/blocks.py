@@ -1,0 +1,105 @@
+"""Picked points packed into arrays of few distinct shapes, so that programs are shared.
+
+A block has `rows` rows of `width` points; a line fills as many rows as it needs, and
+`row_line` says which line a row belongs to. Both numbers are powers of two: every project of
+like size has the same shapes and runs the same compiled program. Padding has weight 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plumbline.frame import Array
+from plumbline.observations import Observations
+
+_LEAST_ROWS = 16
+_WIDTHS = 8, 32, 128
+
+
+class Block(NamedTuple):
+    """Padded points of one problem, or with a leading axis of several.
+
+    Attributes:
+        xy: Normalised observed points about the image centre, shape (rows, width, 2).
+        weight: 1 for a point, 0 for padding, shape (rows, width).
+        row_line: Which line each row belongs to, shape (rows,).
+    """
+
+    xy: Array
+    weight: Array
+    row_line: NDArray[np.int32]
+
+
+@dataclass(frozen=True)
+class Packed:
+    """A block and the way back from it.
+
+    Attributes:
+        block: The padded points.
+        cells: Row-major cell of each point in the block, in the order of the lines.
+        sizes: Number of points of each line.
+    """
+
+    block: Block
+    cells: NDArray[np.int64]
+    sizes: NDArray[np.int64]
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and width: what programs are compiled for."""
+        rows, width = self.block.weight.shape
+        return rows, width
+
+    def unpack(self, values: Array) -> Array:
+        """Values of shape (rows, width, ...) for the points alone, in the order of the lines."""
+        return np.asarray(values).reshape(-1, *np.shape(values)[2:])[self.cells]
+
+
+def pack(observations: Observations, unit_px: float) -> Packed:
+    """Pack the lines of one lens.
+
+    Args:
+        observations: Checked observations.
+        unit_px: Square pixels to a normalised radius of 1.
+    """
+    points = [
+        observations.photos[line.photo].frame.normalise(line.points_px, unit_px)
+        for line in observations.lines
+    ]
+    return pack_points(points)
+
+
+def pack_points(lines: Sequence[Array]) -> Packed:
+    """Pack normalised lines, each of shape (n, 2)."""
+    sizes = np.array([len(points) for points in lines], dtype=np.int64)
+    width = _width(sizes)
+    rows_of = -(-sizes // width)
+    first_row = np.cumsum(rows_of) - rows_of
+    rows = max(_LEAST_ROWS, power_of_two(int(rows_of.sum())))
+    first_point = np.cumsum(sizes) - sizes
+    within = np.arange(sizes.sum()) - np.repeat(first_point, sizes)
+    cells = np.repeat(first_row * width, sizes) + within
+    xy = np.zeros((rows * width, 2))
+    xy[cells] = np.concatenate(lines)
+    weight = np.zeros(rows * width)
+    weight[cells] = 1.0
+    row_line = np.full(rows, rows - 1, dtype=np.int32)
+    row_line[: rows_of.sum()] = np.repeat(np.arange(len(sizes)), rows_of)
+    block = Block(xy.reshape(rows, width, 2), weight.reshape(rows, width), row_line)
+    return Packed(block, cells, sizes)
+
+
+def power_of_two(number: int) -> int:
+    """The least power of two that is not below `number`."""
+    return 1 << max(0, number - 1).bit_length()
+
+
+def _width(sizes: NDArray[np.int64]) -> int:
+    """The width that pads least; ties go to the narrower."""
+    cells = [int((-(-sizes // width) * width).sum()) for width in _WIDTHS]
+    return _WIDTHS[int(np.argmin(np.array(cells) / np.array([1.0, 1.2, 1.3])))]

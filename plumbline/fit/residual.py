@@ -1,0 +1,162 @@
+"""The residual: how far undistorted points are from being straight, in pixels.
+
+For each line the points are undistorted and a line is fitted to them by orthogonal least
+squares, in closed form: its direction θ is half the angle of the second moments,
+tan 2θ = 2 S_xy / (S_xx − S_yy) (Pearson 1901). The signed distance of each point is the
+"corrected" residual; divided by its derivative by the observed point it becomes the "image"
+residual, the first-order distance in the photograph's own pixels, where the picking noise
+lives (Sampson 1982).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jax import lax
+
+from plumbline.fit.blocks import Block
+from plumbline.models.base import Model, radius
+from plumbline.models.inverse import limit_candidates, plane_step, radius_step
+
+_MOST_STEPS = 60
+
+
+class Undistorted(NamedTuple):
+    """Ideal points and how the undistortion stretches there.
+
+    Attributes:
+        u: Ideal x, any shape.
+        v: Ideal y.
+        jacobian: ∂u/∂x, ∂u/∂y, ∂v/∂x, ∂v/∂y.
+        excess: How far beyond the fold of the model a point lies; 0 for all good points.
+    """
+
+    u: jax.Array
+    v: jax.Array
+    jacobian: tuple[jax.Array, jax.Array, jax.Array, jax.Array]
+    excess: jax.Array
+
+
+class Residuals(NamedTuple):
+    """Residuals of a block in pixels, 0 for padding; shape (rows, width) each.
+
+    Attributes:
+        image: Distance in the photograph.
+        corrected: Distance in the corrected photograph.
+        determinant: Local area of the corrected photo over that of the photograph.
+        excess: As in `Undistorted`.
+    """
+
+    image: jax.Array
+    corrected: jax.Array
+    determinant: jax.Array
+    excess: jax.Array
+
+
+def undistort(
+    model: Model, c: jax.Array, x: jax.Array, y: jax.Array, reach: jax.Array
+) -> Undistorted:
+    """Undistort points measured from the distortion centre.
+
+    Args:
+        model: The model.
+        c: Its coefficients.
+        x: Observed x; any shape.
+        y: Observed y.
+        reach: The largest ideal radius that is looked at.
+    """
+    if model.direction == "observed to ideal":
+        u, v = model.apply(x, y, c)
+        return Undistorted(u, v, model.jacobian(x, y, c), jnp.zeros_like(x))
+    frozen_u, frozen_v, excess = lax.stop_gradient(_invert(model, c, x, y, reach))
+    # One more Newton step from the solution changes nothing but the derivative, which it
+    # makes that of the implicit function: the iterations need not be differentiated.
+    u, v = plane_step(model, c, x, y, frozen_u, frozen_v)
+    good = excess == 0
+    u, v = jnp.where(good, u, frozen_u), jnp.where(good, v, frozen_v)
+    xx, xy, yx, yy = model.jacobian(u, v, c)
+    determinant = jnp.where(good, xx * yy - xy * yx, 1.0)
+    jacobian = yy / determinant, -xy / determinant, -yx / determinant, xx / determinant
+    return Undistorted(u, v, jacobian, excess)
+
+
+def _invert(
+    model: Model, c: jax.Array, x: jax.Array, y: jax.Array, reach: jax.Array
+) -> tuple[jax.Array, jax.Array, jax.Array]:
+    c, x, y = lax.stop_gradient((c, x, y))
+    target = radius(x, y)
+    candidates = limit_candidates(reach, jnp)
+    bad = ~(model.slope(candidates, c) > 0)
+    top = jnp.where(jnp.any(bad), candidates[jnp.argmax(bad)], reach)
+    excess = jnp.maximum(target - top * model.factor(top, c), 0.0)
+    aim = jnp.where(excess > 0, 0.0, target)
+
+    def unsettled(carry: tuple[jax.Array, ...]) -> jax.Array:
+        step, before, r, *_ = carry
+        return (step < _MOST_STEPS) & jnp.any(jnp.abs(r - before) > 1e-15 * r)
+
+    def improve(carry: tuple[jax.Array, ...]) -> tuple[jax.Array, ...]:
+        step, _, r, low, high = carry
+        return (step + 1, r, *radius_step(model, c, aim, (r, low, high)))
+
+    start = jnp.minimum(aim, top)
+    carry = (jnp.array(0), start - 1, start, jnp.zeros_like(r0 := aim), jnp.full_like(r0, top))
+    r = lax.while_loop(unsettled, improve, carry)[2]
+    r = jnp.where(excess > 0, top, r)
+    ratio = jnp.where(target > 0, r / jnp.where(target > 0, target, 1.0), 1.0)
+    u, v = x * ratio, y * ratio
+    if model.tangential:
+        u, v = lax.fori_loop(0, 8, lambda _, uv: plane_step(model, c, x, y, *uv), (u, v))
+    return u, v, excess
+
+
+def residuals(
+    model: Model, coefficients: jax.Array, block: Block, unit_px: jax.Array, reach: jax.Array
+) -> Residuals:
+    """Residuals of all points of a block.
+
+    Args:
+        model: The distortion model.
+        coefficients: The model's, then the distortion centre in normalised units.
+        block: The points.
+        unit_px: Pixels to a normalised radius of 1.
+        reach: The largest ideal radius that is looked at.
+    """
+    x = block.xy[..., 0] - coefficients[-2]
+    y = block.xy[..., 1] - coefficients[-1]
+    u, v, (xx, xy, yx, yy), excess = undistort(model, coefficients[:-2], x, y, reach)
+    u, v, nx, ny = _line_frame(block, u, v)
+    distance = nx * u + ny * v
+    across_x, across_y = nx * xx + ny * yx, nx * xy + ny * yy
+    stretch = jnp.sqrt(across_x * across_x + across_y * across_y)
+    corrected = (distance + excess) * unit_px * block.weight
+    image = (distance / stretch + excess) * unit_px * block.weight
+    return Residuals(image, corrected, xx * yy - xy * yx, excess * block.weight)
+
+
+def _line_frame(
+    block: Block, u: jax.Array, v: jax.Array
+) -> tuple[jax.Array, jax.Array, jax.Array, jax.Array]:
+    """Points relative to the centroid of their line, and the line's unit normal, per row."""
+    rows = block.row_line.shape[0]
+
+    def of_line(values: jax.Array) -> jax.Array:
+        sums = jnp.sum(values * block.weight, axis=1)
+        totals = jax.ops.segment_sum(
+            sums, block.row_line, num_segments=rows, indices_are_sorted=True
+        )
+        return totals[block.row_line][:, None]
+
+    n = jnp.maximum(of_line(jnp.ones_like(u)), 1.0)
+    u, v = u - of_line(u) / n, v - of_line(v) / n
+    cross, spread = 2 * of_line(u * v), of_line(u * u) - of_line(v * v)
+    spread = jnp.where((cross == 0) & (spread == 0), 1.0, spread)
+    whole = jnp.sqrt(cross * cross + spread * spread)
+    # Half an angle without trigonometry, by the form that does not cancel.
+    flat = spread >= 0
+    along_x = jnp.where(flat, whole + spread, cross)
+    along_y = jnp.where(flat, cross, whole - spread)
+    length = jnp.sqrt(along_x * along_x + along_y * along_y)
+    return u, v, -along_y / length, along_x / length

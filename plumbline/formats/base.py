@@ -1,0 +1,123 @@
+"""What a file format of picked points is, and what every reader needs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Literal
+
+from plumbline.errors import ReadError
+from plumbline.observations import Observations
+
+Order = Literal["raster", "zigzag"]
+
+
+@dataclass(frozen=True)
+class Source:
+    """A file that has been read into memory.
+
+    Attributes:
+        path: The file as named by the user, for messages.
+        content: Its bytes.
+    """
+
+    path: str
+    content: bytes = field(repr=False)
+
+    @property
+    def suffix(self) -> str:
+        """The suffix in lower case, with its dot."""
+        name = self.path.replace("\\", "/").rpartition("/")[2]
+        return ("." + name.rpartition(".")[2].lower()) if "." in name else ""
+
+    @property
+    def head(self) -> str:
+        """The first 4 KiB as text whatever they are, for recognising the format."""
+        return self.content[:4096].decode("utf-8-sig", errors="replace")
+
+    def text(self) -> str:
+        """The whole file as text: UTF-8 with or without a mark, UTF-16 with one, or Latin-1.
+
+        Raises:
+            ReadError: the file is empty or binary.
+        """
+        if not self.content.strip():
+            raise self.error("the file is empty")
+        if self.content.startswith((b"\xff\xfe", b"\xfe\xff")):
+            encodings = ("utf-16",)
+        else:
+            encodings = ("utf-8-sig", "latin-1")
+        for encoding in encodings:
+            try:
+                decoded = self.content.decode(encoding)
+            except UnicodeDecodeError:
+                continue
+            if "\x00" in decoded:
+                break
+            return decoded
+        raise self.error("the file is binary, not text", hint="name its format with --format")
+
+    def error(self, message: str, line: int | None = None, hint: str = "") -> ReadError:
+        """A `ReadError` about this file, and perhaps one of its lines counted from 1."""
+        return ReadError(message, path=self.path, line=line, hint=hint)
+
+    def number(self, text: str, line: int | None = None, *, what: str = "a coordinate") -> float:
+        """A finite number from text; the decimal sign is a dot.
+
+        Raises:
+            ReadError: the text is no number, or NaN or infinite.
+        """
+        try:
+            # float() also takes "1_000" and other digits than 0-9, which no program writes.
+            value = float(text) if text.isascii() and "_" not in text else math.nan
+        except ValueError:
+            raise self.error(
+                f"{shown(text)} stands where {what} belongs", line, "correct or remove this row"
+            ) from None
+        if not math.isfinite(value):
+            raise self.error(f"{shown(text)} is no finite number", line, "correct or remove it")
+        return value
+
+
+@dataclass(frozen=True)
+class ReadOptions:
+    """What a reader may need beyond the file.
+
+    Attributes:
+        size: The photo's width and height in pixels, where the user gave them.
+        grid: Rows and columns of one long polyline that holds a whole grid.
+        order: How that polyline runs through the grid: every row from the left, or back and
+            forth.
+    """
+
+    size: tuple[int, int] | None = None
+    grid: tuple[int, int] | None = None
+    order: Order = "raster"
+
+
+@dataclass(frozen=True)
+class Format:
+    """One file format: a row of `FORMATS`.
+
+    Attributes:
+        name: Name for `--format`.
+        title: What it is, for people.
+        suffixes: File name suffixes it may have, in lower case, with the dot.
+        recognises: Whether a file looks like this format.
+        read: Makes observations of it. They may lack the photo's size and are not yet checked
+            (`Observations.checked` is called afterwards); coordinates are plumbline's own,
+            and `Line.rows` tells where in the file each point stands.
+    """
+
+    name: str
+    title: str
+    suffixes: tuple[str, ...]
+    recognises: Callable[[Source], bool]
+    read: Callable[[Source, ReadOptions], Observations]
+
+
+def shown(text: str, most: int = 40) -> str:
+    """Text from a file, quoted, shortened and made safe for a terminal."""
+    cut = text if len(text) <= most else text[: most - 1] + "…"
+    return "'" + "".join(c if c.isprintable() else "�" for c in cut) + "'"

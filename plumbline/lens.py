@@ -1,0 +1,146 @@
+"""A model in a frame: points in, points out, in pixels."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from plumbline.errors import FoldedError, OptionError
+from plumbline.frame import Array, Frame
+from plumbline.models import CENTRE, Model
+from plumbline.models.inverse import REACH, first_fold, invert
+
+
+@dataclass(frozen=True)
+class Lens:
+    """A distortion model with its coefficients, for photos of one size.
+
+    Attributes:
+        model: The distortion model.
+        frame: The photo's frame.
+        coefficients: All of the model's coefficients, and `d`, `e`: the distortion centre's
+            offset from the image centre in the photo's own pixels.
+        focal_px: Focal length in pixels, for the models that measure in it.
+
+    Raises:
+        OptionError: a coefficient is missing or not finite, or the model needs a focal length
+            in pixels and has none.
+
+    Example:
+        >>> from plumbline.models import get_model
+        >>> zero = {"a": 0.0, "b": -0.02, "c": 0.0, "d": 0.0, "e": 0.0}
+        >>> lens = Lens(get_model("ptlens"), Frame(3001, 2001), zero)
+        >>> lens.undistort([[1500.0, 1000.0]]).tolist()
+        [[1500.0, 1000.0]]
+    """
+
+    model: Model
+    frame: Frame
+    coefficients: Mapping[str, float]
+    focal_px: float | None = None
+
+    def __post_init__(self) -> None:
+        names = (*self.model.coefficients, *CENTRE)
+        if set(names) != set(self.coefficients):
+            raise OptionError(f"a {self.model.label} lens has the coefficients {', '.join(names)}")
+        if not all(np.isfinite(value) for value in self.coefficients.values()):
+            raise OptionError("a coefficient of the lens is not finite")
+        if self.model.unit == "focal length" and not (self.focal_px and self.focal_px > 0):
+            raise OptionError(
+                f"the model {self.model.label} measures in focal lengths, and none is known",
+                hint="give the focal length in pixels with --focal-px, or in millimetres with "
+                "--focal and --crop-factor",
+            )
+
+    @property
+    def unit_px(self) -> float:
+        """Square pixels to a normalised radius of 1."""
+        if self.model.unit == "focal length" and self.focal_px:
+            return self.focal_px
+        return self.frame.radius_px
+
+    @property
+    def vector(self) -> Array:
+        """The model's coefficients in its order."""
+        return np.array([self.coefficients[name] for name in self.model.coefficients])
+
+    @property
+    def centre_px(self) -> tuple[float, float]:
+        """The distortion centre in the photo's own pixels."""
+        x, y = self.frame.centre_px
+        return x + self.coefficients["d"], y + self.coefficients["e"]
+
+    def undistort(self, points_px: ArrayLike) -> Array:
+        """Map observed points to ideal ones.
+
+        Args:
+            points_px: Points as picked, pixels, y down. Shape (..., 2).
+
+        Returns:
+            Ideal points, same shape and units.
+
+        Raises:
+            FoldedError: the polynomial folds before it reaches a point.
+        """
+        points = self.frame.normalise(points_px, self.unit_px) - self._offset
+        if self.model.direction == "observed to ideal":
+            return self.frame.to_pixels(self._apply(points), self.unit_px)
+        return self.frame.to_pixels(self._invert(points), self.unit_px)
+
+    def distort(self, points_px: ArrayLike) -> Array:
+        """Map ideal points to observed ones.
+
+        Args:
+            points_px: Ideal points, pixels, y down. Shape (..., 2).
+
+        Returns:
+            Points as the photograph shows them, same shape and units.
+
+        Raises:
+            FoldedError: the polynomial folds before it reaches a point.
+        """
+        points = self.frame.normalise(points_px, self.unit_px)
+        if self.model.direction == "ideal to observed":
+            return self.frame.to_pixels(self._apply(points) + self._offset, self.unit_px)
+        return self.frame.to_pixels(self._invert(points) + self._offset, self.unit_px)
+
+    def fold_radius_px(self) -> float | None:
+        """Observed radius in square pixels at which the model folds, if inside the photo.
+
+        Folding means that two different ideal (or observed) points share one place: the
+        derivative of the radial polynomial vanishes there.
+        """
+        fold = first_fold(self.model, self.vector, self._reach)
+        if fold is None:
+            return None
+        if self.model.direction == "ideal to observed":
+            fold *= float(self.model.factor(np.float64(fold), self.vector))
+        corners = self.frame.normalise(self.frame.corners_px(), self.unit_px) - self._offset
+        inside = fold < np.max(np.hypot(corners[:, 0], corners[:, 1]))
+        return fold * self.unit_px if inside else None
+
+    @property
+    def _offset(self) -> Array:
+        aspect = np.array([self.frame.pixel_aspect, 1.0])
+        return np.array([self.coefficients[name] for name in CENTRE]) * aspect / self.unit_px
+
+    @property
+    def _reach(self) -> float:
+        return REACH * self.frame.corner_radius * self.frame.radius_px / self.unit_px
+
+    def _apply(self, points: Array) -> Array:
+        return np.stack(self.model.apply(points[..., 0], points[..., 1], self.vector), axis=-1)
+
+    def _invert(self, points: Array) -> Array:
+        solved = invert(self.model, self.vector, points, self._reach)
+        lost = int(np.count_nonzero(np.isnan(solved[..., 0])))
+        if lost:
+            raise FoldedError(
+                f"the {self.model.label} polynomial folds before it reaches {lost:,} of the "
+                f"{lost if solved.ndim == 1 else solved[..., 0].size:,} points",
+                hint="fit with fewer free coefficients, or pick lines closer to the corners",
+            )
+        return solved
