@@ -16,6 +16,8 @@ from plumbline.errors import DegenerateLinesError, OptionError, ReadError
 from plumbline.frame import Array, Frame
 
 MAX_SIDE = 1_000_000
+FULL_FRAME_MM = float(np.hypot(36, 24))
+"""Diagonal of the 35-mm frame, 43.27 mm, which crop factors are relative to."""
 
 
 @dataclass(frozen=True)
@@ -33,6 +35,7 @@ class LensFacts:
         crop_factor: Diagonal of the 35-mm frame over that of the sensor.
         hfov_deg: Horizontal field of view.
         focal_px: Focal length in pixels.
+        aspect_ratio: Longer side over shorter side, where the user rounds it.
         stored: Lens values found in the file (`a`…`e`, `g`, `t` for a Hugin project).
         requested: Coefficients the file asks to optimise; None if it does not say.
         projection: "rectilinear", or the name of what it is instead.
@@ -46,9 +49,33 @@ class LensFacts:
     crop_factor: float | None = None
     hfov_deg: float | None = None
     focal_px: float | None = None
+    aspect_ratio: float | None = None
     stored: Mapping[str, float] = field(default_factory=dict[str, float])
     requested: tuple[str, ...] | None = None
     projection: str = "rectilinear"
+
+    def focal_length_px(self, frame: Frame) -> float | None:
+        """Focal length in square pixels of a photo, as far as it is known.
+
+        From millimetres it needs the crop factor, which relates the sensor's diagonal to that
+        of the 35-mm frame; from the field of view it holds for rectilinear lenses.
+        """
+        width, height = frame.square_size
+        if self.focal_px:
+            return self.focal_px
+        if self.focal_mm and self.crop_factor:
+            sensor_mm = FULL_FRAME_MM / self.crop_factor
+            return float(self.focal_mm / sensor_mm * np.hypot(width, height))
+        if self.hfov_deg:
+            return float(width / 2 / np.tan(np.radians(self.hfov_deg) / 2))
+        return None
+
+    def focal_length_mm(self, frame: Frame) -> float | None:
+        """Focal length in millimetres, from the field of view where it is not given itself."""
+        if self.focal_mm or not (self.hfov_deg and self.crop_factor):
+            return self.focal_mm
+        focal_px = float(frame.square_size[0] / 2 / np.tan(np.radians(self.hfov_deg) / 2))
+        return focal_px * FULL_FRAME_MM / self.crop_factor / float(np.hypot(*frame.square_size))
 
 
 @dataclass(frozen=True)
@@ -60,12 +87,14 @@ class Photo:
         name: File name as the source gives it; may be empty.
         lens: Index into `Observations.lenses`.
         pixel_aspect: Width of one pixel over its height.
+        number: Its number in the file it was named by.
     """
 
     size: tuple[int, int] | None
     name: str = ""
     lens: int = 0
     pixel_aspect: float = 1.0
+    number: int = 0
 
     @property
     def frame(self) -> Frame:
@@ -178,6 +207,18 @@ class Observations:
         facts = LensFacts(focal_px=focal_px)
         photo = Photo(size, pixel_aspect=pixel_aspect)
         return cls((photo,), tuple(made), (facts,)).checked()
+
+    @classmethod
+    def side_by_side(cls, parts: Sequence[Observations]) -> Observations:
+        """Several observations as one, every lens kept apart."""
+        photos, lines, lenses = list[Photo](), list[Line](), list[LensFacts]()
+        for part in parts:
+            lines += [replace(line, photo=line.photo + len(photos)) for line in part.lines]
+            photos += [replace(photo, lens=photo.lens + len(lenses)) for photo in part.photos]
+            lenses += part.lenses
+        notes = tuple(dict.fromkeys(note for part in parts for note in part.notes))
+        origins = tuple(dict.fromkeys(origin for part in parts for origin in part.origins))
+        return cls(tuple(photos), tuple(lines), tuple(lenses), notes, origins)
 
     @property
     def n_points(self) -> int:

@@ -19,12 +19,16 @@ import optimistix as optx
 from jax import lax
 from numpy.typing import NDArray
 
-from plumbline.fit.blocks import Block, Packed, power_of_two
+from plumbline.fit import cache
+from plumbline.fit.blocks import Block
 from plumbline.fit.residual import Residuals, residuals
 from plumbline.fit.start import staged_start
 from plumbline.frame import Array
 from plumbline.models.base import Model
 from plumbline.models.inverse import REACH
+
+BATCH = 64
+"""Problems that `solve_many` takes in one program."""
 
 _TOLERANCE = 1e-7
 _MOST_STEPS = 200
@@ -83,16 +87,18 @@ def solve(model: Model, task: Task) -> Solution:
         model: The distortion model.
         task: The problem.
     """
+    cache.enable()
     with jax.enable_x64(True):
         return jax.tree.map(np.asarray, _program(model, _as_arrays(task)))
 
 
 def solve_many(model: Model, tasks: Sequence[Task]) -> list[Solution]:
-    """Fit problems whose blocks have one shape, in one program.
+    """Fit at most `BATCH` problems whose blocks have one shape, in one program.
 
-    The batch is filled up to a power of two, so that batches of like size share it too.
+    The batch is filled up with repetitions, so that every batch of that shape shares it.
     """
-    filled = [*tasks, *[tasks[-1]] * (power_of_two(len(tasks)) - len(tasks))]
+    cache.enable()
+    filled = [*tasks, *[tasks[-1]] * (BATCH - len(tasks))]
     with jax.enable_x64(True):
         stacked = jax.tree.map(lambda *leaves: np.stack(leaves), *map(_as_arrays, filled))
         solved = jax.tree.map(np.asarray, _batch_program(model, stacked))
@@ -102,11 +108,6 @@ def solve_many(model: Model, tasks: Sequence[Task]) -> list[Solution]:
 def reach_of(corner: float) -> float:
     """The largest ideal radius that is looked at, for a corner at that radius."""
     return REACH * corner
-
-
-def task_shape(packed: Packed) -> tuple[int, int]:
-    """What tasks must share to be solved in one batch."""
-    return packed.shape
 
 
 def _as_arrays(task: Task) -> Task:

@@ -45,9 +45,7 @@ def staged_start(
     return _translated(model, bend, held, free, reach, gauge_radius)
 
 
-def _division(
-    block: Block, centre: jax.Array, unit_px: jax.Array, reach: jax.Array
-) -> jax.Array:
+def _division(block: Block, centre: jax.Array, unit_px: jax.Array, reach: jax.Array) -> jax.Array:
     """l1 of the division model that straightens best, in image pixels."""
 
     def cost(bend: jax.Array) -> jax.Array:

@@ -57,7 +57,11 @@ def get_model(name: str) -> Model:
         chosen = tuple(sorted(int(power) for power in powers.split(",")))
     except ValueError:
         chosen = ()
-    if not chosen or len(set(chosen)) < len(chosen) or not 1 <= chosen[0] <= chosen[-1] <= MAX_POWER:
+    if (
+        not chosen
+        or len(set(chosen)) < len(chosen)
+        or not 1 <= chosen[0] <= chosen[-1] <= MAX_POWER
+    ):
         raise UnsupportedModelError(
             f"{powers!r} are no powers for the radial model",
             hint=f"give distinct whole numbers from 1 to {MAX_POWER}, as in radial:2,4,6",

@@ -31,9 +31,9 @@ class PTLens(Model):
         return "a", "b", "c"
 
     def factor(self, r: Any, c: Any) -> Any:
-        """a r³ + b r² + c r + 1 − a − b − c."""
+        """Value of a r³ + b r² + c r + 1 − a − b − c."""
         return ((c[0] * r + c[1]) * r + c[2]) * r + (1.0 - c[0] - c[1] - c[2])
 
     def slope(self, r: Any, c: Any) -> Any:
-        """4a r³ + 3b r² + 2c r + 1 − a − b − c."""
+        """Value of 4a r³ + 3b r² + 2c r + 1 − a − b − c."""
         return ((4 * c[0] * r + 3 * c[1]) * r + 2 * c[2]) * r + (1.0 - c[0] - c[1] - c[2])

@@ -1,0 +1,102 @@
+"""Calibrate a lens from straight lines.
+
+    import plumbline
+    obs = plumbline.read("building.pto")
+    cal = plumbline.calibrate(obs)
+    cal.coefficients, cal.standard_errors, cal.rms_after_px
+    plumbline.write(cal, "building.fit.pto")
+
+Importing this package loads neither NumPy nor JAX; they come with the first name that needs
+them.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+from plumbline._version import __version__
+
+if TYPE_CHECKING:
+    from plumbline.calibration import Calibration
+    from plumbline.errors import (
+        CollapsedFitError,
+        DegenerateLinesError,
+        FoldedError,
+        OptionError,
+        PlumblineError,
+        ReadError,
+        UnsupportedModelError,
+        WriteError,
+    )
+    from plumbline.fit.calibrate import calibrate, calibrate_many
+    from plumbline.formats import FORMATS
+    from plumbline.frame import Frame
+    from plumbline.lens import Lens
+    from plumbline.models import MODELS, get_model
+    from plumbline.observations import LensFacts, Line, Observations, Photo
+    from plumbline.reading import join, read, read_calibration, read_calibrations
+    from plumbline.writing import write, write_points
+
+_HOMES = {
+    "plumbline.calibration": ("Calibration",),
+    "plumbline.errors": (
+        "CollapsedFitError",
+        "DegenerateLinesError",
+        "FoldedError",
+        "OptionError",
+        "PlumblineError",
+        "ReadError",
+        "UnsupportedModelError",
+        "WriteError",
+    ),
+    "plumbline.fit.calibrate": ("calibrate", "calibrate_many"),
+    "plumbline.formats": ("FORMATS",),
+    "plumbline.frame": ("Frame",),
+    "plumbline.lens": ("Lens",),
+    "plumbline.models": ("MODELS", "get_model"),
+    "plumbline.observations": ("LensFacts", "Line", "Observations", "Photo"),
+    "plumbline.reading": ("join", "read", "read_calibration", "read_calibrations"),
+    "plumbline.writing": ("write", "write_points"),
+}
+_HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
+
+__all__ = [
+    "FORMATS",
+    "MODELS",
+    "Calibration",
+    "CollapsedFitError",
+    "DegenerateLinesError",
+    "FoldedError",
+    "Frame",
+    "Lens",
+    "LensFacts",
+    "Line",
+    "Observations",
+    "OptionError",
+    "Photo",
+    "PlumblineError",
+    "ReadError",
+    "UnsupportedModelError",
+    "WriteError",
+    "__version__",
+    "calibrate",
+    "calibrate_many",
+    "get_model",
+    "join",
+    "read",
+    "read_calibration",
+    "read_calibrations",
+    "write",
+    "write_points",
+]
+
+
+def __getattr__(name: str) -> object:
+    if name not in _HOME_OF:
+        raise AttributeError(f"module 'plumbline' has no attribute {name!r}")
+    return getattr(import_module(_HOME_OF[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

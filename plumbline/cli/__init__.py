@@ -1,0 +1,70 @@
+"""The command line: one file a verb, loaded when the verb is used."""
+
+from __future__ import annotations
+
+import sys
+from importlib import import_module
+
+import click
+
+from plumbline._version import __version__
+from plumbline.errors import PlumblineError
+
+VERBS = {
+    "fit": "Find the distortion that makes picked lines straight.",
+    "convert": "Turn picked points into CSV or a Hugin project.",
+    "models": "List the distortion models.",
+}
+
+_EXAMPLES = """\b
+Examples:
+  plumbline fit building.pto
+  plumbline fit picks.csv --photo facade.jpg
+  plumbline convert grid.mrf grid.pto --photo facade.jpg --grid 7x9"""
+
+
+class _Verbs(click.Group):
+    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002
+        return list(VERBS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
+        if cmd_name not in VERBS:
+            return None
+        return import_module(f"plumbline.cli.{cmd_name}").command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002
+        with formatter.section("Commands"):
+            formatter.write_dl(list(VERBS.items()))
+
+
+@click.group(
+    cls=_Verbs,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    epilog=_EXAMPLES,
+)
+@click.version_option(__version__, message="plumbline %(version)s")
+def command() -> None:
+    """Calibrate a lens from straight lines.
+
+    Pick points along straight edges of a photograph in any viewer; plumbline finds the
+    distortion that makes every line straight again, says how sure it is, and writes a Hugin
+    project (PTO) and a LensFun profile (XML).
+    """
+
+
+def main() -> None:
+    """Run the command line; errors become one red sentence, the remedy, and status 1."""
+    try:
+        command(prog_name="plumbline")
+    except PlumblineError as error:
+        click.secho(f"Error: {_printable(error.message)}.", fg="red", err=True)
+        if error.hint:
+            click.echo(f"  {_printable(error.hint)}.", err=True)
+        sys.exit(1)
+    except BrokenPipeError:
+        sys.stderr.close()
+        sys.exit(1)
+
+
+def _printable(text: str) -> str:
+    return "".join(c if c.isprintable() else "�" for c in text)

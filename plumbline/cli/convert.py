@@ -1,0 +1,42 @@
+"""`plumbline convert`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from plumbline.cli import options
+
+_HELP = """Turn picked points into CSV or a Hugin project.
+
+SOURCE is any file that `fit` reads; the suffix of TARGET, .csv or .pto, says what is made. A
+Hugin project gets the points in reversed pairs, one straight line each from t3 on, with the
+photo attached and a, b, c marked for optimising.
+
+\b
+Example:
+  plumbline convert grid.mrf grid.pto --photo facade.jpg --grid 7x9
+"""
+
+
+@click.command("convert", help=_HELP, short_help="Turn picked points into CSV or a Hugin project.")
+@click.argument("source")
+@click.argument("target")
+@options.reading
+@options.overwriting
+def command(source: str, target: str, overwrite: bool, image: int | None, **how: Any) -> None:
+    """Read points and write them."""
+    from plumbline.cli.pipeline import gather
+    from plumbline.observations import count
+    from plumbline.writing import write_points
+
+    observations = gather([source], image=image, **how)
+    written = write_points(observations, target, overwrite=overwrite)
+    for note in observations.notes:
+        click.echo(f"Note: {note}.", err=True)
+    click.echo(
+        f"Wrote {written}: {count(observations.n_points, 'point')} on "
+        f"{count(len(observations.lines), 'line')}."
+    )
+    click.echo(f"Next: plumbline fit {written}", err=True)

@@ -1,0 +1,27 @@
+"""`plumbline models`."""
+
+from __future__ import annotations
+
+import click
+
+_HELP = """List the distortion models that --model takes.
+
+Each with its coefficients, equation and use. r is the distance from the distortion centre;
+"ideal" is where a perfect perspective would put a point, "observed" where the photograph shows
+it. Every model may also free the distortion centre d, e, in pixels.
+
+\b
+Example:
+  plumbline models
+"""
+
+
+@click.command("models", help=_HELP, short_help="List the distortion models.")
+def command() -> None:
+    """Print the table of models."""
+    from rich.console import Console
+
+    from plumbline.models import MODELS
+    from plumbline.report.terminal import models_table
+
+    Console().print(models_table(MODELS.values()))

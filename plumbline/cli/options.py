@@ -1,0 +1,194 @@
+"""Options that several verbs share, spelt once, and the types of their values."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+import click
+
+from plumbline.errors import OptionError
+
+_F = TypeVar("_F", bound=Callable[..., Any])
+
+_FORMATS = "ptgui, pto, cvat, labelme, via, imagej, webplotdigitizer, winmorph, csv"
+
+
+class Pair(click.ParamType):
+    """Two positive whole numbers with an x between them."""
+
+    name = "pair"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[int, int]:
+        """Read `2048x1536`."""
+        if isinstance(value, tuple):
+            return value
+        match = re.fullmatch(r"(\d{1,7})[xX×](\d{1,7})", str(value).strip(), re.ASCII)
+        if match is None or not int(match[1]) or not int(match[2]):
+            self.fail(
+                f"{value!r} is no pair of positive whole numbers such as 2048x1536", param, ctx
+            )
+        return int(match[1]), int(match[2])
+
+
+class Names(click.ParamType):
+    """Names separated by commas."""
+
+    name = "names"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[str, ...]:
+        """Read `a,b,c`."""
+        names = tuple(part.strip() for part in str(value).split(",") if part.strip())
+        if not names:
+            self.fail("names no coefficient; write for example a,b,c", param, ctx)
+        return names
+
+
+class Start(click.ParamType):
+    """A start vector, or the word `file`."""
+
+    name = "start"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> str | dict[str, float]:
+        """Read `a=0.03,b=-0.1`."""
+        if value == "file":
+            return "file"
+        start: dict[str, float] = {}
+        for part in str(value).split(","):
+            name, sign, number = part.partition("=")
+            try:
+                start[name.strip()] = float(number)
+            except ValueError:
+                sign = ""
+            if not sign or not math.isfinite(start[name.strip()]):
+                self.fail(f"{part!r} is not NAME=NUMBER as in a=0.03,b=-0.1", param, ctx)
+        return start
+
+
+class Positive(click.ParamType):
+    """A finite number above zero."""
+
+    name = "number"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        """Read a positive number."""
+        try:
+            number = float(value)
+        except ValueError:
+            number = math.nan
+        if not (math.isfinite(number) and number > 0):
+            self.fail(f"{value!r} is no number above zero", param, ctx)
+        return number
+
+
+class Ratio(Positive):
+    """A positive number, also written as `4:3`."""
+
+    name = "ratio"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        """Read `4:3` or `1.333`."""
+        over, colon, under = str(value).partition(":")
+        first = super().convert(over, param, ctx)
+        return first / super().convert(under, param, ctx) if colon else first
+
+
+def _stacked(*options: Callable[[_F], _F]) -> Callable[[_F], _F]:
+    def decorate(function: _F) -> _F:
+        for option in reversed(options):
+            function = option(function)
+        return function
+
+    return decorate
+
+
+reading = _stacked(
+    click.option(
+        "--photo",
+        metavar="FILE",
+        help="The photograph the points were picked in; tells its size and, by EXIF, its lens.",
+    ),
+    click.option("--size", type=Pair(), metavar="WxH", help="Size of the photograph in pixels."),
+    click.option(
+        "--image",
+        type=click.IntRange(min=0),
+        metavar="N",
+        help="Take only photo number N of the project, counted from 0.",
+    ),
+    click.option("--format", metavar="NAME", help=f"Format of the points: {_FORMATS}."),
+    click.option(
+        "--grid",
+        type=Pair(),
+        metavar="ROWSxCOLS",
+        help="One polyline holds a whole grid of that many rows and columns (WinMorph).",
+    ),
+    click.option(
+        "--order",
+        type=click.Choice(["raster", "zigzag"]),
+        default="raster",
+        show_default=True,
+        help="How that polyline runs: every row from the left, or back and forth.",
+    ),
+    click.option(
+        "--pixel-aspect",
+        type=Ratio(),
+        default=1.0,
+        metavar="RATIO",
+        help="Width of a pixel over its height, for video frames; 1 by default.",
+    ),
+)
+"""What verbs that read picked points take."""
+
+labelling = _stacked(
+    click.option("--maker", metavar="TEXT", help="Maker of the lens, for LensFun."),
+    click.option("--lens-name", metavar="TEXT", help="Name of the lens, for LensFun."),
+    click.option("--mount", metavar="TEXT", help="Mount of the lens, for LensFun."),
+    click.option("--focal", type=Positive(), metavar="MM", help="Focal length in millimetres."),
+    click.option("--focal-px", type=Positive(), metavar="PX", help="Focal length in pixels."),
+    click.option(
+        "--crop-factor",
+        type=Positive(),
+        metavar="NUMBER",
+        help="Diagonal of the 35-mm frame over that of the sensor.",
+    ),
+    click.option(
+        "--aspect-ratio",
+        type=Ratio(),
+        metavar="RATIO",
+        help="Aspect ratio for LensFun, as 3:2 or 1.5; that of the photo by default.",
+    ),
+)
+"""What is known of the lens, where EXIF and project are silent or wrong."""
+
+overwriting = click.option(
+    "--overwrite", is_flag=True, help="Replace files that plumbline did not write."
+)
+
+
+def check_aspect_ratio(given: float, width: float, height: float) -> float:
+    """The user's aspect ratio, if it is the photo's but for rounding.
+
+    Raises:
+        OptionError: it is another one.
+    """
+    ratio = max(given, 1 / given)
+    actual = max(width, height) / min(width, height)
+    if abs(ratio / actual - 1) > 0.02:
+        raise OptionError(
+            f"the aspect ratio {given:.4g} contradicts the photo's {actual:.4g}, which the "
+            "coefficients are measured in",
+            hint="leave out --aspect-ratio, or pick the points in the whole photo",
+        )
+    return ratio

@@ -1,0 +1,116 @@
+"""From files and flags to observations and written results: the verbs minus their parsing."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from plumbline.calibration import Calibration
+from plumbline.cli.options import check_aspect_ratio
+from plumbline.errors import OptionError, PlumblineError
+from plumbline.observations import Observations
+from plumbline.reading import join, read
+from plumbline.writing import label_notes, write
+
+
+def gather(sources: Sequence[str], image: int | None, **how: Any) -> Observations:
+    """Read one or several files of points, and select a photo.
+
+    Raises:
+        OptionError: there is no such photo, or it has no lines.
+    """
+    observations = join([read(source, **how) for source in sources])
+    if image is None:
+        return observations
+    if image >= len(observations.photos):
+        raise OptionError(
+            f"{observations.named}there is no photo number {image}; there are "
+            f"{len(observations.photos)}",
+            hint="photos are counted from 0",
+        )
+    selected = observations.of_photo(image)
+    if not selected.lines:
+        raise OptionError(
+            f"{observations.named}photo number {image} has no straight lines",
+            hint="photos with lines: "
+            + ", ".join(str(n) for n in sorted({line.photo for line in observations.lines})),
+        )
+    return selected
+
+
+def split_by_lens(observations: Observations, labels: Mapping[str, Any]) -> list[Observations]:
+    """One set of observations for each lens that has lines, with the user's facts of it.
+
+    Args:
+        observations: What was read.
+        labels: Values of the options `--maker`, `--focal` and so on, None where not given.
+
+    Raises:
+        OptionError: facts of one lens are given for several.
+    """
+    with_lines = sorted({observations.photos[line.photo].lens for line in observations.lines})
+    given = {name: value for name, value in labels.items() if value is not None}
+    single = {"focal_mm": "--focal", "focal_px": "--focal-px"}
+    if len(with_lines) > 1 and (wrong := single.keys() & given.keys()):
+        raise OptionError(
+            f"{single[min(wrong)]} is given once, but the project has {len(with_lines)} lenses",
+            hint="select one with --image N",
+        )
+    parts: list[Observations] = []
+    for lens in with_lines:
+        part = observations.of_lens(lens)
+        if "aspect_ratio" in given:
+            frame = part.photos[0].frame
+            given["aspect_ratio"] = check_aspect_ratio(given["aspect_ratio"], *frame.square_size)
+        facts = replace(part.lenses[0], **given)
+        parts.append(replace(part, lenses=(facts,)))
+    return parts
+
+
+def write_results(
+    calibrations: Sequence[Calibration],
+    outputs: Sequence[str],
+    source: str,
+    *,
+    overwrite: bool,
+) -> tuple[list[Path], list[str]]:
+    """Write what the user asks for, or what can be written beside the input.
+
+    Args:
+        calibrations: One a lens.
+        outputs: Files the user names; empty for the defaults.
+        source: The first input.
+        overwrite: Replace files that plumbline did not write.
+
+    Returns:
+        The files written, and notes on what was not written and on labels that fell back.
+    """
+    chosen = [Path(name) for name in outputs] or [
+        Path(source).with_suffix(f".fit{suffix}") for suffix in (".pto", ".xml")
+    ]
+    written: list[Path] = []
+    notes: list[str] = []
+    for target in chosen:
+        try:
+            written.append(write(calibrations, target, overwrite=overwrite))
+        except OptionError as error:
+            if outputs:
+                raise
+            notes.append(f"{target.name} was not written: {error.message} ({error.hint})")
+        else:
+            if target.suffix.lower() == ".xml":
+                notes += label_notes(calibrations[0])
+    if not written:
+        target = Path(source).with_suffix(".fit.json")
+        written.append(write(calibrations, target, overwrite=overwrite))
+    return written, notes
+
+
+def name_the_lens(error: PlumblineError, part: Observations, n_parts: int) -> PlumblineError:
+    """Say which photos an error is about, where a project has several lenses."""
+    if n_parts > 1:
+        names = ", ".join(f"{photo.number} {photo.name}".strip() for photo in part.photos)
+        error.message = f"photo {names}: {error.message}"
+    return error

@@ -1,0 +1,107 @@
+"""What the user should be told about a fit, in plain sentences."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from plumbline.calibration import Calibration
+from plumbline.models import CENTRE
+
+_CORRELATED = 0.95
+_FEW_DOF = 6
+
+
+def after_fit(made: Calibration, corner_px: float) -> tuple[str, ...]:
+    """Notes on a finished fit.
+
+    Args:
+        made: The calibration.
+        corner_px: Largest standard error of the displacement up to the corner, in pixels.
+    """
+    return tuple(
+        note
+        for note in (
+            _unsettled(made),
+            _folding(made),
+            _few_lines(made),
+            _few_points(made),
+            _corner(made, corner_px),
+            _uninformative(made),
+            _correlated(made),
+            _corrected(made),
+        )
+        if note
+    )
+
+
+def _unsettled(made: Calibration) -> str:
+    return "" if made.converged else f"{made.reason}: do not use this result"
+
+
+def _folding(made: Calibration) -> str:
+    fold = made.lens.fold_radius_px()
+    if fold is None:
+        return ""
+    return (
+        f"the polynomial folds over {fold:.0f} px from the centre, inside the photo: "
+        "what lies farther out cannot be corrected with it"
+    )
+
+
+def _few_lines(made: Calibration) -> str:
+    radial = [n for n in made.free if n not in (*CENTRE, *made.lens.model.tangential)]
+    n_lines = len(made.observations.lines)
+    if n_lines >= len(radial) or n_lines > 1:
+        return ""
+    return (
+        f"one line alone hardly tells {', '.join(radial)} apart: pick at least two, one near the "
+        "edge and one a third of the way out from the centre"
+    )
+
+
+def _few_points(made: Calibration) -> str:
+    if made.dof >= _FEW_DOF:
+        return ""
+    return f"only {made.dof} degrees of freedom: the error bars themselves are uncertain"
+
+
+def _corner(made: Calibration, corner_px: float) -> str:
+    if not corner_px > max(1.0, abs(made.finding.corner_px) / 3):
+        return ""
+    return (
+        f"the correction of the corners is uncertain by {corner_px:.2g} px (one standard error): "
+        "pick lines nearer to the corners"
+    )
+
+
+def _uninformative(made: Calibration) -> str:
+    weak = [
+        name for name, error in made.standard_errors.items() if error > abs(made.coefficients[name])
+    ]
+    if not weak:
+        return ""
+    verb = "is" if len(weak) == 1 else "are"
+    return (
+        f"{', '.join(weak)} {verb} smaller than the standard error: fewer may do (--free, --hold)"
+    )
+
+
+def _correlated(made: Calibration) -> str:
+    correlation = made.correlation
+    pairs = [
+        f"{made.free[i]} and {made.free[j]} ({correlation[i, j]:+.3f})"
+        for i, j in zip(*np.triu_indices(len(made.free), 1), strict=True)
+        if abs(correlation[i, j]) > _CORRELATED
+    ]
+    if not pairs:
+        return ""
+    return f"strongly correlated: {', '.join(pairs)}; judge the curve, not single coefficients"
+
+
+def _corrected(made: Calibration) -> str:
+    if made.residual == "image":
+        return ""
+    return (
+        "residuals of the corrected photo weigh the picks unevenly: the standard errors are "
+        "approximate (--residual image has exact ones)"
+    )

@@ -1,0 +1,159 @@
+"""Covariance of the fitted coefficients, and the checks that stop a meaningless fit.
+
+The line parameters are eliminated (variable projection; Golub and Pereyra 1973), so that the
+covariance is σ̂² (JᵀJ)⁻¹ with J the derivative of the residuals by the coefficients alone and
+σ̂² = Σ residual² / (points − 2 · lines − free coefficients).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plumbline.errors import CollapsedFitError, DegenerateLinesError
+from plumbline.frame import Array
+from plumbline.lens import Lens
+from plumbline.models import CENTRE, Model
+
+_NOISE_FLOOR_PX = 0.1
+_WORST_CORNER = 0.5
+_SCALES = 0.6, 4.0
+_RADII = 12
+_HINT_MORE = "pick more lines, longer ones and nearer to the edges of the photo, in both directions"
+
+
+def degrees_of_freedom(n_points: int, n_lines: int, n_free: int) -> int:
+    """Points − 2 · lines − free coefficients.
+
+    Raises:
+        DegenerateLinesError: there are not more points than unknowns.
+    """
+    dof = n_points - 2 * n_lines - n_free
+    if dof < 1:
+        raise DegenerateLinesError(
+            f"{n_points} points on {n_lines} lines cannot determine {n_free} coefficients: "
+            f"{2 * n_lines + n_free + 1} points are the least",
+            hint="pick more points on each line, or free fewer coefficients with --free",
+        )
+    return dof
+
+
+def unit_covariance(normal: Array) -> Array:
+    """(JᵀJ)⁻¹ of the free coefficients: their covariance for picks with σ = 1 px.
+
+    Args:
+        normal: JᵀJ, shape (k, k).
+
+    Raises:
+        DegenerateLinesError: JᵀJ is singular: the lines do not see some coefficient.
+    """
+    scale = np.sqrt(np.diag(normal))
+    if not np.all(np.isfinite(normal)) or np.any(scale <= 1e-9 * max(1.0, scale.max())):
+        raise DegenerateLinesError(
+            "the lines carry no information about the distortion: lines through its centre stay "
+            "straight whatever it is",
+            hint=_HINT_MORE,
+        )
+    values, vectors = np.linalg.eigh(normal / np.outer(scale, scale))
+    if values[0] <= 1e-13:
+        raise DegenerateLinesError(
+            "the lines cannot tell the free coefficients apart",
+            hint=_HINT_MORE + ", or free fewer coefficients with --free",
+        )
+    inverse = (vectors / values) @ vectors.T
+    return inverse / np.outer(scale, scale)
+
+
+def corner_error(
+    model: Model, c: Array, cov: Array, radial: NDArray[np.int64], corner: float
+) -> float:
+    """Largest standard error of the radial displacement up to the corner, normalised.
+
+    The best common scale is taken out, since straight lines do not see it.
+
+    Args:
+        model: The model.
+        c: Its coefficients.
+        cov: Covariance of those that are free and radial.
+        radial: Their places in `c`.
+        corner: Normalised radius of the photo's corner.
+    """
+    radii = corner * np.arange(1, _RADII + 1) / _RADII
+    step = 1e-6
+    base = radii * model.factor(radii, c)
+    columns: list[Array] = []
+    for index in radial:
+        moved = c.copy()
+        moved[index] += step
+        columns.append((radii * model.factor(radii, moved) - base) / step)
+    design = np.stack(columns, axis=1)
+    design -= np.outer(radii, radii @ design) / (radii @ radii)
+    variance = np.einsum("ri,ij,rj->r", design, cov, design)
+    return float(np.sqrt(np.max(variance)))
+
+
+def refuse_unobservable(lens: Lens, free: tuple[str, ...], unit: Array, sigma_px: float) -> float:
+    """Stop where the lines leave the distortion open; else tell the corner's error.
+
+    Args:
+        lens: The fitted lens.
+        free: Names of the free coefficients.
+        unit: Their covariance for σ = 1 px, `d` and `e` in pixels.
+        sigma_px: σ̂.
+
+    Returns:
+        Largest standard error of the radial displacement up to the corner, in pixels.
+
+    Raises:
+        DegenerateLinesError: that error exceeds half of R even for careful picks, or the
+            distortion centre is not known to within the photo.
+    """
+    model, unit_px, radius_px = lens.model, lens.unit_px, lens.frame.radius_px
+    names = [n for n in free if n in model.coefficients and n not in model.tangential]
+    chosen = [free.index(name) for name in names]
+    places = np.array([model.coefficients.index(name) for name in names], dtype=np.int64)
+    corner = 0.0
+    if names:
+        part, far = unit[np.ix_(chosen, chosen)], lens.frame.corner_radius * radius_px / unit_px
+        corner = corner_error(model, lens.vector, part, places, far) * unit_px
+    centre = max([0.0, *(np.sqrt(unit[free.index(n), free.index(n)]) for n in CENTRE if n in free)])
+    noise = max(sigma_px, _NOISE_FLOOR_PX)
+    if corner * noise > _WORST_CORNER * radius_px or centre * noise > radius_px:
+        raise DegenerateLinesError(
+            "the lines do not show the distortion: with them the corner of the photo is known "
+            f"to no better than {noise * max(corner, centre):,.0f} px",
+            hint=_HINT_MORE,
+        )
+    return corner * sigma_px
+
+
+def refuse_collapsed(lens: Lens, determinant: Array, excess: Array) -> None:
+    """Stop where a small residual was bought by shrinking, folding or leaving the photo.
+
+    Args:
+        lens: The fitted lens.
+        determinant: Local area of the corrected photo over that of the photograph, per pick.
+        excess: How far beyond the model's fold each pick lies.
+
+    Raises:
+        CollapsedFitError: as said.
+    """
+    hint = "free fewer coefficients (not the centre and tangential terms together), or add lines"
+    folded = int(np.count_nonzero((excess > 0) | ~(determinant > 0)))
+    if folded:
+        raise CollapsedFitError(
+            f"the fit folds the photo over: {folded} picks lie beyond the fold", hint=hint
+        )
+    scale = float(np.mean(np.sqrt(determinant)))
+    if not _SCALES[0] <= scale <= _SCALES[1]:
+        raise CollapsedFitError(
+            f"the fit collapsed: it scales the photo by {scale:.2f} to make its lines straight",
+            hint=hint,
+        )
+    if not lens.frame.contains(np.array(lens.centre_px)):
+        x, y = lens.centre_px
+        raise CollapsedFitError(
+            f"the fit collapsed: it puts the distortion centre at ({x:.0f}, {y:.0f}), outside the "
+            f"{lens.frame.width}x{lens.frame.height} photo",
+            hint="hold the distortion centre (--hold d,e), or add lines on all sides of it",
+        )

@@ -1,0 +1,150 @@
+"""Gather points into labelled lines on photos, and say what was left aside."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Hashable
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from plumbline.formats.base import Source
+from plumbline.observations import MAX_SIDE, Line, Observations, Photo, count, listed
+
+MAX_LABEL = 120
+MAX_PICKED_LINES = 200_000
+Size = tuple[int, int]
+
+
+def clean_label(text: str) -> str:
+    """A name from a file as one short printable line."""
+    printable = "".join(c if c.isprintable() else " " for c in text[: 8 * MAX_LABEL])
+    return " ".join(printable.split())[:MAX_LABEL].rstrip()
+
+
+class UniqueLabels:
+    """Makes labels differ: "wall", "wall (2)", "wall (3)"; an empty one becomes a number."""
+
+    def __init__(self) -> None:
+        self._used: set[tuple[Hashable, str]] = set()
+        self._times: Counter[tuple[Hashable, str]] = Counter()
+
+    def __call__(self, label: str, scope: Hashable = 0) -> str:
+        """A label not yet given out in this scope."""
+        name = clean_label(label)
+        wanted = name
+        while not wanted or (scope, wanted) in self._used:
+            self._times[scope, name] += 1
+            times = self._times[scope, name]
+            wanted = f"{name} ({times + 1})" if name else str(times)
+        self._used.add((scope, wanted))
+        return wanted
+
+
+class LineGatherer:
+    """Collects the lines of one file and the photos they lie on.
+
+    Args:
+        source: The file, for messages.
+        shift_px: Added to x and y: -0.5 where a program counts from the pixel's edge.
+    """
+
+    def __init__(self, source: Source, *, shift_px: float = 0.0) -> None:
+        self.source = source
+        self.notes: list[str] = []
+        self._shift_px = shift_px
+        self._photos: dict[Hashable, int] = {}
+        self._made: list[Photo] = []
+        self._lines: list[Line] = []
+        self._labels = UniqueLabels()
+        self._aside: Counter[str] = Counter()
+
+    def add(
+        self,
+        points: ArrayLike,
+        label: str = "",
+        *,
+        photo: Hashable = "",
+        photo_name: str = "",
+        size: Size | None = None,
+        rows: ArrayLike | None = None,
+    ) -> None:
+        """Add one line.
+
+        Args:
+            points: Shape (n, 2), as the program counts them.
+            label: Its name; made unique on its photo.
+            photo: What tells its photo from others.
+            photo_name: The photo's file name.
+            size: The photo's size as the file declares it.
+            rows: Lines of the file where the points stand, or the one where all do.
+
+        Raises:
+            ReadError: a coordinate is not finite, or there are more lines than any real file
+                has.
+        """
+        if len(self._lines) == MAX_PICKED_LINES:
+            raise self.source.error(f"the file holds more than {MAX_PICKED_LINES:,} lines")
+        index = self._photo(photo, photo_name, size)
+        made = np.asarray(points, dtype=np.float64).reshape(-1, 2)
+        numbers = None
+        if rows is not None:
+            numbers = np.broadcast_to(np.asarray(rows, dtype=np.int64), len(made)).copy()
+        finite = np.isfinite(made).all(axis=1)
+        if not finite.all():
+            worst = int(np.argmin(finite))
+            line = None if numbers is None else int(numbers[worst])
+            raise self.source.error(
+                f"a point of line {clean_label(label) or len(self._lines) + 1} is no finite number",
+                line,
+                "correct or remove it",
+            )
+        name = self._labels(label, index)
+        self._lines.append(Line(made + self._shift_px, index, name, numbers))
+
+    def leave_aside(self, kind: str) -> None:
+        """Count a shape that is not read, by its kind."""
+        self._aside[clean_label(kind)[:30] or "unnamed"] += 1
+
+    def observations(self, read_kinds: str = "") -> Observations:
+        """All that was gathered.
+
+        Args:
+            read_kinds: The shapes that are read, for the note about those left aside.
+
+        Raises:
+            ReadError: there is no line.
+        """
+        kinds = [f"{n:,} × {kind}" for kind, n in sorted(self._aside.items())]
+        if kinds:
+            total = count(self._aside.total(), "shape")
+            self.notes.append(f"{total} left aside ({listed(kinds)}): only {read_kinds} are read")
+        if not self._lines:
+            raise self.source.error(
+                "the file holds no line of points" + (f" but {listed(kinds)}" if kinds else ""),
+                hint=f"draw each straight edge; only {read_kinds} are read" if read_kinds else "",
+            )
+        return Observations(tuple(self._made), tuple(self._lines), notes=tuple(self.notes))
+
+    def _photo(self, key: Hashable, name: str, size: Size | None) -> int:
+        index = self._photos.get(key)
+        if index is None:
+            index = self._photos[key] = len(self._made)
+            self._made.append(Photo(size, clean_label(name)))
+        return index
+
+
+def declared_size(source: Source, width: float, height: float, line: int | None = None) -> Size:
+    """The size of a photo as a file declares it.
+
+    Raises:
+        ReadError: it is not two whole numbers of pixels.
+    """
+    whole = width == int(width) and height == int(height)
+    if not whole or not (0 < width <= MAX_SIDE and 0 < height <= MAX_SIDE):
+        raise source.error(
+            f"a photo of {width:g}x{height:g} pixels is impossible",
+            line,
+            "correct the width and height in the file",
+        )
+    return int(width), int(height)

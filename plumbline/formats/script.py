@@ -1,0 +1,190 @@
+"""Records of Panorama Tools scripts: what Hugin's and PTGui's projects have in common.
+
+A script is plain text, one record a line, its first character the kind. Tokens are
+`<name><value>` separated by blanks; values may be numbers, `=N` (that of image N), or strings
+in double quotes. Nothing is thrown away: a script is written back byte for byte but for the
+values that were set.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from plumbline.files import FITTED_DECIMALS
+from plumbline.formats.base import Source, shown
+from plumbline.observations import LensFacts
+
+LENS_VALUES = ("a", "b", "c", "d", "e", "g", "t")
+PROJECTIONS = {
+    0: "rectilinear",
+    1: "panoramic",
+    2: "circular fisheye",
+    3: "full-frame fisheye",
+    4: "equirectangular",
+    8: "orthographic fisheye",
+    10: "stereographic fisheye",
+    20: "Thoby fisheye",
+    21: "equisolid fisheye",
+}
+
+_QUOTED = re.compile(r'"[^"]*"?')
+_VALUE = re.compile(r"(?<=[ \t])([whfvabcdegt])(?=[-+.=\d]|nan|inf)(\S+)", re.IGNORECASE)
+_NAME = re.compile(r'[ \t]n"([^"]*)"')
+_CROP = re.compile(r"[ \t]C(-?\d+),(-?\d+),(-?\d+),(-?\d+)")
+
+
+@dataclass(frozen=True)
+class ImageRecord:
+    """An `i` or `o` record.
+
+    Attributes:
+        row: Line of the file, counted from 1.
+        text: The line as it stands.
+        values: Its numbers by name, links resolved.
+        links: Which image each linked value comes from.
+        name: File name of the photo.
+    """
+
+    row: int
+    text: str
+    values: Mapping[str, float]
+    links: Mapping[str, int] = field(default_factory=dict[str, int])
+    name: str = ""
+
+    @property
+    def projection(self) -> str:
+        """The lens type in words."""
+        number = int(self.values.get("f", 0))
+        return PROJECTIONS.get(number, f"lens type f{number}")
+
+    @property
+    def crop(self) -> tuple[int, int, int, int] | None:
+        """Left, right, top, bottom of a crop that moves the image centre."""
+        match = _CROP.search(masked(self.text))
+        if match is None:
+            return None
+        left, right, top, bottom = (int(group) for group in match.groups())
+        return left, right, top, bottom
+
+    def facts(self, requested: tuple[str, ...] | None, crop_factor: float | None) -> LensFacts:
+        """What the record says of its lens."""
+        hfov = self.values.get("v")
+        return LensFacts(
+            hfov_deg=hfov if hfov and 0 < hfov < 180 else None,
+            crop_factor=crop_factor,
+            stored={n: self.values[n] for n in LENS_VALUES if n in self.values},
+            requested=requested,
+            projection=self.projection,
+        )
+
+
+def decoded(source: Source) -> str:
+    """The script's text; `encoded` gives back the same bytes.
+
+    Raises:
+        ReadError: the file is empty or binary.
+    """
+    source.text()
+    return source.content.decode("utf-8", errors="surrogateescape")
+
+
+def encoded(text: str) -> bytes:
+    """Undo `decoded`."""
+    return text.encode("utf-8", errors="surrogateescape")
+
+
+def masked(text: str) -> str:
+    """The record with quoted strings blotted out, every other character in its place."""
+    return _QUOTED.sub(lambda match: "_" * len(match.group()), text)
+
+
+def parse_image(
+    source: Source, row: int, text: str, earlier: list[ImageRecord], first_link: int = 0
+) -> ImageRecord:
+    """Read an image record.
+
+    Args:
+        source: The file, for messages.
+        row: Line of the file, counted from 1.
+        text: The line.
+        earlier: The images before it, which `=N` may refer to.
+        first_link: The number that `=N` counts from.
+
+    Raises:
+        ReadError: a value is no number, or a link does not point to an earlier image.
+    """
+    values: dict[str, float] = {}
+    links: dict[str, int] = {}
+    for match in _VALUE.finditer(masked(text)):
+        name, value = match[1], match[2]
+        if not name.islower():
+            continue
+        if value.startswith("="):
+            number = source.number(value[1:], row, what=f"the number of an image after {name}=")
+            link = int(number) - first_link
+            if number != int(number) or not 0 <= link < len(earlier):
+                raise source.error(
+                    f"{shown(name + value)} does not refer to an earlier image",
+                    row,
+                    hint="link to an image above this one, or give the value itself",
+                )
+            links[name] = earlier[link].links.get(name, link)
+            if name in earlier[link].values:
+                values[name] = earlier[link].values[name]
+        else:
+            values[name] = source.number(value, row, what=f"the value of {name}")
+    found = _NAME.search(text)
+    return ImageRecord(row, text, values, links, found[1] if found else "")
+
+
+def size_of(source: Source, image: ImageRecord) -> tuple[int, int]:
+    """Width and height of an image record.
+
+    Raises:
+        ReadError: they are missing or not positive whole numbers.
+    """
+    sides = [image.values.get(name, 0.0) for name in ("w", "h")]
+    if any(side < 1 or side != int(side) for side in sides):
+        raise source.error(
+            "the image has no size: w and h must be positive whole numbers",
+            image.row,
+            hint="save the project again with its photo present, or write w and h by hand",
+        )
+    return int(sides[0]), int(sides[1])
+
+
+def with_values(text: str, values: Mapping[str, float], keep_links: set[str]) -> str:
+    """The record with lens values set, all else as it was.
+
+    Args:
+        text: The line.
+        values: Values by name; a value the line lacks is appended.
+        keep_links: Names whose `=N` is left alone.
+    """
+    pending = dict(values)
+    out, end = [], 0
+    for match in _VALUE.finditer(masked(text)):
+        name = match[1]
+        if name not in pending:
+            continue
+        value = pending.pop(name)
+        if match[2].startswith("=") and name in keep_links:
+            continue
+        out += [text[end : match.start(2)], fitted(value)]
+        end = match.end(2)
+    line = "".join(out) + text[end:]
+    body = line.rstrip("\r\n \t")
+    return body + "".join(f" {n}{fitted(v)}" for n, v in pending.items()) + line[len(body) :]
+
+
+def decimal(value: float) -> str:
+    """The shortest decimal that reads back exactly, without a trailing `.0`."""
+    text = repr(float(value))
+    return text.removesuffix(".0") if text != "-0.0" else "0"
+
+
+def fitted(value: float) -> str:
+    """A lens value in so many decimals that plumbline knows its own projects by them."""
+    return "0" if value == 0 else f"{value:.{FITTED_DECIMALS}f}"

@@ -1,0 +1,122 @@
+"""Size, camera, lens and focal length of a photograph, from its EXIF."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from plumbline.errors import ReadError
+from plumbline.observations import FULL_FRAME_MM, LensFacts
+
+_MAKE, _MODEL, _ORIENTATION, _EXIF_IFD = 0x010F, 0x0110, 0x0112, 0x8769
+_FOCAL, _FOCAL_35MM, _LENS_MAKE, _LENS_MODEL = 0x920A, 0xA405, 0xA433, 0xA434
+_WIDTH, _X_RESOLUTION, _Y_RESOLUTION, _UNIT = 0xA002, 0xA20E, 0xA20F, 0xA210
+_HEIGHT = 0xA003
+_MM_PER_UNIT = {2: 25.4, 3: 10.0, 4: 1.0}
+
+
+@dataclass(frozen=True)
+class PhotoFacts:
+    """What a photograph says of itself.
+
+    Attributes:
+        size: Width and height as a viewer shows it, the EXIF orientation applied.
+        facts: Camera, lens, focal length and crop factor, as far as EXIF knows.
+        turned: Whether the orientation exchanges width and height.
+        notes: What to be aware of, in plain sentences.
+    """
+
+    size: tuple[int, int]
+    facts: LensFacts
+    turned: bool = False
+    notes: tuple[str, ...] = ()
+
+
+def read_photo(path: str | Path) -> PhotoFacts:
+    """Read the header of a photograph; its pixels are not decoded.
+
+    Raises:
+        ReadError: the file is missing or no picture that Pillow knows.
+    """
+    from PIL import Image, UnidentifiedImageError
+
+    hint = "give a JPEG, TIFF, PNG or WebP with --photo, or the size alone with --size WIDTHxHEIGHT"
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            with Image.open(path) as image:
+                width, height = image.size
+                exif = image.getexif()
+                tags = dict(exif) | dict(exif.get_ifd(_EXIF_IFD))
+    except FileNotFoundError:
+        raise ReadError("there is no such photo", path=path) from None
+    except (UnidentifiedImageError, Image.DecompressionBombError):
+        raise ReadError("this is no picture that can be read", path=path, hint=hint) from None
+    except (OSError, ValueError, SyntaxError, KeyError, TypeError, EOFError) as error:
+        raise ReadError(f"the photo cannot be read: {error}", path=path, hint=hint) from None
+    turned = tags.get(_ORIENTATION) in (5, 6, 7, 8)
+    notes: list[str] = []
+    if turned:
+        width, height = height, width
+        notes.append(
+            f"{Path(path).name} is stored sideways (EXIF orientation); its picks are taken in the "
+            f"upright {width}x{height} picture"
+        )
+    return PhotoFacts((width, height), _facts(tags, notes), turned, tuple(notes))
+
+
+def _facts(tags: dict[int, Any], notes: list[str]) -> LensFacts:
+    make, camera = _text(tags, _MAKE), _text(tags, _MODEL)
+    focal_mm = _positive(tags, _FOCAL)
+    return LensFacts(
+        maker=_text(tags, _LENS_MAKE) or make,
+        model=_text(tags, _LENS_MODEL),
+        camera=camera if not make or camera.startswith(make) else f"{make} {camera}".strip(),
+        focal_mm=focal_mm,
+        crop_factor=_crop_factor(tags, focal_mm, notes),
+    )
+
+
+def _crop_factor(tags: dict[int, Any], focal_mm: float | None, notes: list[str]) -> float | None:
+    """From the size of the sensor where EXIF tells it, else from the 35-mm equivalent."""
+    equivalent = _positive(tags, _FOCAL_35MM)
+    by_focal = equivalent / focal_mm if equivalent and focal_mm else None
+    by_sensor = _sensor_crop(tags)
+    if by_sensor and (by_focal is None or abs(by_sensor / by_focal - 1) < 0.06):
+        return by_sensor
+    if by_focal is not None and equivalent is not None:
+        doubt = 50 / equivalent
+        notes.append(
+            f"the crop factor {by_focal:.4g} is EXIF's 35-mm equivalent over the focal length, good "
+            f"to {doubt:.1f} % (--crop-factor takes a better one)"
+        )
+    return by_focal
+
+
+def _sensor_crop(tags: dict[int, Any]) -> float | None:
+    sides = [_positive(tags, tag) for tag in (_WIDTH, _HEIGHT, _X_RESOLUTION, _Y_RESOLUTION)]
+    width, height, across, down = sides
+    unit = _MM_PER_UNIT.get(int(_positive(tags, _UNIT) or 2))
+    if not (width and height and across and down and unit):
+        return None
+    crop = FULL_FRAME_MM / float(np.hypot(width / across, height / down) * unit)
+    return crop if 0.2 < crop < 20 else None
+
+
+def _text(tags: dict[int, Any], tag: int) -> str:
+    value = tags.get(tag)
+    if not isinstance(value, str):
+        return ""
+    return " ".join("".join(c if c.isprintable() else " " for c in value).split())[:120]
+
+
+def _positive(tags: dict[int, Any], tag: int) -> float | None:
+    try:
+        value = float(tags[tag])
+    except (KeyError, TypeError, ValueError, ZeroDivisionError):
+        return None
+    return value if np.isfinite(value) and value > 0 else None

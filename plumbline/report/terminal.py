@@ -1,0 +1,136 @@
+"""The summary on the terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from rich import box
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from plumbline.calibration import Calibration
+from plumbline.models import CENTRE, Model
+
+_MOST_LINES = 24
+_KINDS = {
+    "barrel": "Barrel distortion",
+    "pincushion": "Pincushion distortion",
+    "wavy": "Wavy (moustache) distortion",
+    "none": "No distortion to speak of",
+}
+
+
+def print_summary(
+    console: Console,
+    calibrations: Sequence[Calibration],
+    written: Sequence[Path],
+    *,
+    verbose: bool = False,
+    quiet: bool = False,
+) -> None:
+    """Print what was found, for every lens, and which files were written."""
+    for index, made in enumerate(calibrations):
+        if len(calibrations) > 1:
+            console.print(
+                f"{'' if index == 0 or quiet else chr(10)}[bold]{escape(_title(made))}[/]"
+            )
+        console.print(f"[bold]{finding_sentence(made)}[/]", highlight=False, soft_wrap=True)
+        if quiet:
+            continue
+        console.print(coefficients_table(made))
+        console.print(_fit_sentence(made), highlight=False, soft_wrap=True)
+        console.print(lines_table(made, everything=verbose))
+        for note in made.notes:
+            console.print(f"• {escape(note)}", style="yellow", highlight=False, soft_wrap=True)
+    for path in written:
+        console.print(f"Wrote {escape(str(path))}", highlight=False, soft_wrap=True)
+
+
+def finding_sentence(made: Calibration) -> str:
+    """The finding in one line."""
+    finding = made.finding
+    size = f": {finding.percent:+.2f} % ({finding.corner_px:+.1f} px) at the corner"
+    return (
+        f"{_KINDS[finding.kind]}{'' if finding.kind == 'none' else size}; "
+        f"lines are straight to {made.rms_before_px:.2f} px before, {made.rms_after_px:.2f} px after"
+    )
+
+
+def coefficients_table(made: Calibration) -> Table:
+    """Coefficients with their standard errors and start values."""
+    table = Table(box=box.SIMPLE, pad_edge=False)
+    table.add_column(f"{made.model}", style="bold")
+    for title in ("value", "± std. error", "", "start"):
+        table.add_column(title, justify="right")
+    errors = made.standard_errors
+    for name, value in made.coefficients.items():
+        digits, unit = (3, " px") if name in CENTRE else (6, "")
+        if name not in errors:
+            table.add_row(name, f"{value:.{digits}f}{unit}", "held", "", "")
+            continue
+        percent = f"{100 * errors[name] / abs(value):.1f} %" if value else ""
+        table.add_row(
+            name,
+            f"{value:.{digits}f}{unit}",
+            f"± {errors[name]:.{digits}f}{unit}",
+            percent,
+            f"{made.start[name]:g}",
+        )
+    return table
+
+
+def lines_table(made: Calibration, *, everything: bool = False) -> Table:
+    """Straightness of the lines; only the worst of many, unless all are asked for."""
+    lines = made.lines
+    shown = list(lines)
+    title = None
+    if len(lines) > _MOST_LINES and not everything:
+        shown = sorted(lines, key=lambda line: -line.largest_after_px)[:_MOST_LINES]
+        title = f"the {_MOST_LINES} of {len(lines)} lines with the largest residuals (-v lists all)"
+    table = Table(box=box.SIMPLE, pad_edge=False, title=title, title_justify="left")
+    several = len(made.observations.photos) > 1
+    table.add_column("line", style="bold")
+    if several:
+        table.add_column("photo")
+    for heading in ("points", "rms before", "rms after", "largest after"):
+        table.add_column(heading, justify="right")
+    for line in shown:
+        photo = made.observations.photos[line.photo]
+        names = [escape(line.label)]
+        if several:
+            names.append(escape(photo.name or str(photo.number)))
+        numbers = (line.rms_before_px, line.rms_after_px, line.largest_after_px)
+        table.add_row(*names, str(line.n_points), *(f"{number:.2f} px" for number in numbers))
+    return table
+
+
+def models_table(models: Iterable[Model]) -> Table:
+    """The distortion models, for `plumbline models`."""
+    table = Table(box=box.SIMPLE, pad_edge=False, show_lines=True)
+    for heading in ("model", "coefficients", "equation", "polynomial runs", "used by"):
+        table.add_column(heading)
+    for model in models:
+        names = " ".join(model.coefficients)
+        if model.name == "radial":
+            names = "one a power: " + names
+        formula = f"{model.formula}, r in units of {model.unit}; f({model.gauge}) = 1"
+        table.add_row(escape(model.label), names, formula, model.direction, model.use)
+    return table
+
+
+def _title(made: Calibration) -> str:
+    names = ", ".join(photo.name or f"photo {photo.number}" for photo in made.observations.photos)
+    focal_mm = made.observations.lenses[0].focal_length_mm(made.lens.frame)
+    return names + (f" at {focal_mm:.4g} mm" if focal_mm else "")
+
+
+def _fit_sentence(made: Calibration) -> str:
+    return (
+        f"rms {made.rms_before_px:.4f} px before, {made.rms_after_px:.4f} px after "
+        f"({made.rms_corrected_px:.4f} px in the corrected photo); largest residual "
+        f"{made.largest_before_px:.2f} px before, {made.largest_after_px:.2f} px after; "
+        f"σ̂ {made.sigma_px:.3f} px with {made.dof} degrees of freedom "
+        f"({made.observations.n_points} points, {len(made.observations.lines)} lines)"
+    )
