@@ -1,4 +1,4 @@
-"""The errors plumbline raises, and nothing else.
+"""The errors plumbline raises, and how their sentences reach a terminal unharmed.
 
     PlumblineError
     ├── ReadError                a file that cannot be read or makes no sense
@@ -30,6 +30,11 @@ class PlumblineError(Exception):
         super().__init__(message)
         self.message = message
         self.hint = hint
+
+
+def printable(text: str) -> str:
+    """Text from a file or a file name, made safe to show: no line breaks, no escape codes."""
+    return "".join(c if c.isprintable() else "�" for c in text)
 
 
 class _FileError(PlumblineError):

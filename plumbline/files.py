@@ -6,23 +6,28 @@ import contextlib
 import os
 import re
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from plumbline.errors import ReadError, WriteError
 
 MARK = "made by plumbline"
-"""Stands in the head of every file that plumbline makes from nothing."""
+"""Stands in the head of every PTO and XML that plumbline makes from nothing."""
+
+RESULT = "plumbline calibration"
+"""Stands in the head of every JSON that plumbline makes."""
 
 FITTED_DECIMALS = 18
-FITTED_VALUE = re.compile(rb"^i [^\n]* [abc]-?\d+\.\d{18}[ \r\n]", re.MULTILINE)
+FITTED_VALUE = re.compile(rb"^i[ \t][^\n]*[ \t][a-e]-?\d+\.\d{18}(?!\S)", re.MULTILINE)
 """A lens value as plumbline writes it into a project that it otherwise leaves byte for byte.
 
 Hugin writes at most 15 digits, so a project with a longer one was not saved by it since.
 """
 
 _MOST_BYTES = 2**31
+_NAME_A_FILE = "name a file of picked points"
 _MOST_LOOKED_AT = 2**20
+_MOST_OF_HEADER = 1024
 
 
 def read_bytes(path: str | Path) -> bytes:
@@ -34,16 +39,24 @@ def read_bytes(path: str | Path) -> bytes:
     file = Path(path)
     try:
         if file.is_dir():
-            raise ReadError("this is a folder, not a file", path=path)
+            raise ReadError("this is a folder, not a file", path=path, hint=_NAME_A_FILE)
+        if not file.is_file() and file.exists():
+            raise ReadError("this is a pipe or a device, not a file", path=path, hint=_NAME_A_FILE)
         if file.exists() and file.stat().st_size > _MOST_BYTES:
-            raise ReadError("the file is larger than 2 GiB", path=path)
+            raise ReadError("the file is larger than 2 GiB", path=path, hint=_NAME_A_FILE)
         return file.read_bytes()
     except FileNotFoundError:
-        raise ReadError("there is no such file", path=path) from None
+        raise ReadError(
+            "there is no such file", path=path, hint="check the name and the folder"
+        ) from None
     except PermissionError:
-        raise ReadError("reading this file is not permitted", path=path) from None
+        raise ReadError(
+            "reading this file is not permitted", path=path, hint="change its permissions"
+        ) from None
     except (OSError, ValueError) as error:
-        raise ReadError(f"the file cannot be read: {error}", path=path) from None
+        raise ReadError(
+            f"the file cannot be read: {_reason(error)}", path=path, hint=_NAME_A_FILE
+        ) from None
 
 
 def refuse_to_clobber(target: Path, inputs: Sequence[str], *, overwrite: bool) -> None:
@@ -52,22 +65,33 @@ def refuse_to_clobber(target: Path, inputs: Sequence[str], *, overwrite: bool) -
     Raises:
         WriteError: as said, or the target is no regular file.
     """
-    with contextlib.suppress(OSError):
-        for path in inputs:
-            if target.exists() and Path(path).exists() and target.samefile(path):
-                raise WriteError(
-                    "this is the file the points come from, and is never overwritten",
-                    path=target,
-                    hint="choose another name with -o",
-                )
-    if target.is_dir():
-        raise WriteError("this is a folder", path=target, hint="name a file with -o")
-    if target.exists() and not overwrite and not _is_ours(target):
+    try:
+        exists = target.exists()
+        is_input = exists and any(_is_same(target, path) for path in inputs)
+        is_file = target.is_file()
+    except OSError as error:
+        raise _unwritable(target, error) from None
+    if is_input:
+        raise WriteError(
+            "this is the file the points come from, and is never overwritten",
+            path=target,
+            hint="choose another name with -o",
+        )
+    if exists and not is_file:
+        raise WriteError("this is no regular file", path=target, hint="name a file with -o")
+    if exists and not overwrite and not _is_ours(target):
         raise WriteError(
             "this file exists and was not written by plumbline",
             path=target,
             hint="choose another name with -o, or replace it with --overwrite",
         )
+
+
+def _is_same(target: Path, path: str) -> bool:
+    try:
+        return target.samefile(path)
+    except (OSError, ValueError):
+        return False
 
 
 def _is_ours(target: Path) -> bool:
@@ -77,41 +101,57 @@ def _is_ours(target: Path) -> bool:
             head = file.read(_MOST_LOOKED_AT)
     except OSError:
         return False
-    return MARK.encode() in head or FITTED_VALUE.search(head) is not None
+    if target.suffix.lower() == ".json":
+        return head.lstrip().startswith(b"{") and f'"{RESULT}"'.encode() in head[:_MOST_OF_HEADER]
+    return MARK.encode() in head[:_MOST_OF_HEADER] or FITTED_VALUE.search(head) is not None
 
 
-def write_atomically(target: Path, content: bytes) -> None:
-    """Write a file under a temporary name and move it into place.
+def write_atomically(contents: Mapping[Path, bytes]) -> None:
+    """Write files under temporary names, and move them into place once all are complete.
+
+    Args:
+        contents: What each file holds.
 
     Raises:
-        WriteError: the folder is missing or cannot be written.
+        WriteError: a folder is missing or cannot be written; no file was changed then.
     """
-    temporary: str | None = None
+    temporary: dict[Path, Path] = {}
+    target = Path()
     try:
-        mode = target.stat().st_mode & 0o777 if target.exists() else 0o666 & ~_umask()
-        handle, temporary = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent)
-        with os.fdopen(handle, "wb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        Path(temporary).chmod(mode)
-        Path(temporary).replace(target)
-        temporary = None
-    except FileNotFoundError:
-        raise WriteError(
-            "the folder does not exist", path=target, hint="make it first, or choose another"
-        ) from None
+        for target, content in contents.items():
+            handle, name = tempfile.mkstemp(prefix=".plumbline-", dir=target.parent)
+            temporary[target] = Path(name)
+            with os.fdopen(handle, "wb") as file:
+                file.write(content)
+                file.flush()
+                os.fsync(file.fileno())
+            mode = target.stat().st_mode & 0o777 if target.exists() else 0o666 & ~_umask()
+            temporary[target].chmod(mode)
+        for target in contents:
+            temporary[target].replace(target)
+            del temporary[target]
     except OSError as error:
-        reason = error.strerror or str(error)
-        raise WriteError(
-            f"the file cannot be written: {reason}",
-            path=target,
-            hint="choose another place with -o",
-        ) from None
+        raise _unwritable(target, error) from None
     finally:
-        if temporary is not None:
+        for path in temporary.values():
             with contextlib.suppress(OSError):
-                Path(temporary).unlink()
+                path.unlink()
+
+
+def _unwritable(target: Path, error: OSError) -> WriteError:
+    if isinstance(error, FileNotFoundError):
+        return WriteError(
+            "the folder does not exist", path=target, hint="make it first, or choose another"
+        )
+    return WriteError(
+        f"the file cannot be written: {_reason(error)}",
+        path=target,
+        hint="choose another place with -o",
+    )
+
+
+def _reason(error: Exception) -> str:
+    return (error.strerror if isinstance(error, OSError) else None) or str(error)
 
 
 def _umask() -> int:

@@ -33,6 +33,7 @@ class LensFacts:
         mount: Name of the mount.
         focal_mm: Real focal length.
         crop_factor: Diagonal of the 35-mm frame over that of the sensor.
+        crop_factor_error: Its relative uncertainty where it is known to be rounded.
         hfov_deg: Horizontal field of view.
         focal_px: Focal length in pixels.
         aspect_ratio: Longer side over shorter side, where the user rounds it.
@@ -47,6 +48,7 @@ class LensFacts:
     mount: str = ""
     focal_mm: float | None = None
     crop_factor: float | None = None
+    crop_factor_error: float | None = None
     hfov_deg: float | None = None
     focal_px: float | None = None
     aspect_ratio: float | None = None
@@ -279,7 +281,7 @@ class Observations:
             DegenerateLinesError: no line is left.
         """
         for photo in self.photos:
-            _check_size(photo)
+            _check_size(photo, self.named)
         notes = list(self.notes)
         kept: list[Line] = []
         short: list[str] = []
@@ -334,16 +336,19 @@ class Observations:
         raise OptionError(sentence, hint=hint)
 
 
-def _check_size(photo: Photo) -> None:
+def _check_size(photo: Photo, where: str) -> None:
     width, height = photo.frame.size
     name = f" of {photo.name}" if photo.name else ""
     if not (0 < width <= MAX_SIDE and 0 < height <= MAX_SIDE):
         raise OptionError(
-            f"the size {width}x{height}{name} is impossible",
+            f"{where}the size {width}x{height}{name} is impossible",
             hint="give the size in pixels as --size WIDTHxHEIGHT",
         )
     if not 0.01 <= photo.pixel_aspect <= 100:
-        raise OptionError(f"a pixel aspect of {photo.pixel_aspect} is impossible")
+        raise OptionError(
+            f"a pixel aspect of {photo.pixel_aspect:g} is impossible",
+            hint="give the width of a pixel over its height, such as 16:15",
+        )
 
 
 def _first_of_each(points: Array) -> NDArray[np.int64]:

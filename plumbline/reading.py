@@ -72,6 +72,11 @@ def read(
         if picture is not None and index in with_lines:
             lenses[each.lens] = _joined(lenses[each.lens], picture.facts)
             notes += [note for note in picture.notes if note not in notes]
+    if photo is not None and not any(_is_meant(photos, with_lines, i) for i in with_lines):
+        notes.append(
+            f"{Path(photo).name} was not used: the project has lines of several lenses, and it is "
+            "not known which of them took it"
+        )
     return replace(
         raw,
         photos=tuple(photos),
@@ -174,6 +179,7 @@ def _joined(facts: LensFacts, more: LensFacts) -> LensFacts:
         mount=facts.mount or more.mount,
         focal_mm=facts.focal_mm or more.focal_mm,
         crop_factor=facts.crop_factor or more.crop_factor,
+        crop_factor_error=(facts if facts.crop_factor else more).crop_factor_error,
         hfov_deg=facts.hfov_deg or more.hfov_deg,
     )
 

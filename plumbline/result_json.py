@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
@@ -16,24 +16,39 @@ import numpy as np
 from plumbline._version import __version__
 from plumbline.calibration import Calibration
 from plumbline.errors import PlumblineError, ReadError
+from plumbline.files import RESULT
 from plumbline.frame import Array
 from plumbline.lens import Lens
 from plumbline.models import get_model
-from plumbline.observations import LensFacts, Line, Observations, Photo
+from plumbline.observations import LensFacts, Line, Observations, Origin, Photo
 
-FORMAT_NAME = "plumbline calibration"
 FORMAT_VERSION = 1
+
+_AGAIN = "fit again: plumbline fit POINTS -o result.json"
+_TEXTS = ("maker", "model", "camera", "mount", "projection")
+_NUMBERS = (
+    "focal_mm",
+    "crop_factor",
+    "crop_factor_error",
+    "hfov_deg",
+    "focal_px",
+    "aspect_ratio",
+)
+_MOST = 1e12
+_DAMAGE = (ValueError, TypeError, IndexError, AttributeError, OverflowError)
 
 
 def to_json(calibrations: Sequence[Calibration]) -> str:
     """JSON text of one or several calibrations."""
     objects = [as_dict(made) for made in calibrations]
     whole = objects[0] if len(objects) == 1 else _header() | {"calibrations": objects}
-    return json.dumps(whole, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    text = json.dumps(whole, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    # A file name that is no text is written in JSON's own escapes and reads back as it was.
+    return text.encode("utf-8", "backslashreplace").decode()
 
 
 def _header() -> dict[str, Any]:
-    return {"format": FORMAT_NAME, "format_version": FORMAT_VERSION, "plumbline": __version__}
+    return {"format": RESULT, "format_version": FORMAT_VERSION, "plumbline": __version__}
 
 
 def as_dict(made: Calibration) -> dict[str, Any]:
@@ -100,35 +115,37 @@ def from_json(text: str, path: str) -> tuple[Calibration, ...]:
         ReadError: the text is no such JSON.
     """
     try:
-        whole = json.loads(text)
-        if not isinstance(whole, dict) or whole.get("format") != FORMAT_NAME:
-            raise ReadError(
-                "this is no calibration written by plumbline",
-                path=path,
-                hint="make one with: plumbline fit POINTS -o result.json",
-            )
-        if whole.get("format_version") != FORMAT_VERSION:
-            raise ReadError(
-                "this calibration was written by another version of plumbline",
-                path=path,
-                hint="fit again with this version",
-            )
+        whole = json.loads(text, parse_constant=_not_finite)
+        _refuse_others(whole, path)
         return tuple(_calibration(each) for each in whole.get("calibrations", [whole]))
     except ReadError:
         raise
-    except PlumblineError as error:
-        raise ReadError(error.message, path=path, hint=error.hint) from None
     except RecursionError:
-        raise ReadError("the JSON is nested too deeply", path=path) from None
-    except (ValueError, KeyError, TypeError, IndexError, AttributeError, OverflowError) as error:
-        raise ReadError(f"the calibration is damaged ({error})", path=path) from None
+        raise ReadError("the JSON is nested too deeply", path=path, hint=_AGAIN) from None
+    except KeyError as error:
+        raise ReadError(f"the calibration lacks {error}", path=path, hint=_AGAIN) from None
+    except (PlumblineError, *_DAMAGE) as error:
+        raise ReadError(f"the calibration is damaged: {error}", path=path, hint=_AGAIN) from None
+
+
+def _refuse_others(whole: Any, path: str) -> None:
+    if not isinstance(whole, dict) or whole.get("format") != RESULT:
+        raise ReadError("this is no calibration written by plumbline", path=path, hint=_AGAIN)
+    if whole.get("format_version") != FORMAT_VERSION:
+        raise ReadError(
+            "this calibration was written by another version of plumbline", path=path, hint=_AGAIN
+        )
+
+
+def _not_finite(name: str) -> float:
+    raise ValueError(f"{name} is no finite number")
 
 
 def _calibration(data: Mapping[str, Any]) -> Calibration:
     stored = data["observations"]
     observations = Observations(
         photos=tuple(
-            Photo(_pair(p["size"]), str(p["name"]), 0, float(p["pixel_aspect"]), int(p["number"]))
+            Photo(_pair(p["size"]), str(p["name"]), 0, _number(p["pixel_aspect"]), int(p["number"]))
             for p in stored["photos"]
         ),
         lines=tuple(
@@ -136,32 +153,45 @@ def _calibration(data: Mapping[str, Any]) -> Calibration:
             for line in stored["lines"]
         ),
         lenses=(_facts(stored["lens"]),),
-        notes=(),
     ).checked()
+    origins = tuple(Origin(str(o["path"]), str(o["format"])) for o in stored["origins"])
+    residuals_px = tuple(_array(line["residuals_px"], 1) for line in stored["lines"])
+    before_px = tuple(_array(line["before_px"], 1) for line in stored["lines"])
+    sizes = [len(line.points_px) for line in observations.lines]
+    if any([len(values) for values in each] != sizes for each in (residuals_px, before_px)):
+        raise ValueError("the residuals do not fit the points")
+    if not all(0 <= line.photo < len(observations.photos) for line in observations.lines):
+        raise ValueError("a line lies in no photo")
     free = tuple(str(name) for name in data["free"])
     model = get_model(str(data["model"]))
     lens = Lens(
         model,
         observations.photos[0].frame,
-        {str(name): float(value) for name, value in data["coefficients"].items()},
-        None if data["focal_px"] is None else float(data["focal_px"]),
+        {str(name): _number(value) for name, value in data["coefficients"].items()},
+        None if data["focal_px"] is None else _number(data["focal_px"]),
     )
     covariance = _array(data["covariance"], 2)
-    if covariance.shape != (len(free), len(free)) or not set(free) <= set(lens.coefficients):
+    names = set(lens.coefficients)
+    if covariance.shape != (len(free), len(free)) or np.any(np.diag(covariance) < 0):
         raise ValueError("the covariance does not fit the free coefficients")
+    start = {str(name): _number(value) for name, value in data["start"].items()}
+    if not set(free) <= names or len(set(free)) < len(free) or set(start) != names:
+        raise ValueError("the coefficients do not fit the model")
+    if data["residual"] not in ("image", "corrected") or not isinstance(data["converged"], bool):
+        raise ValueError("the kind of residual or the convergence is not known")
     return Calibration(
-        observations=observations,
+        observations=replace(observations, origins=origins),
         lens=lens,
         free=free,
-        start={str(name): float(value) for name, value in data["start"].items()},
-        residual="corrected" if data["residual"] == "corrected" else "image",
+        start=start,
+        residual=data["residual"],
         covariance=covariance,
-        sigma_px=float(data["sigma_px"]),
+        sigma_px=_number(data["sigma_px"]),
         dof=int(data["dof"]),
-        residuals_px=tuple(_array(line["residuals_px"], 1) for line in stored["lines"]),
-        before_px=tuple(_array(line["before_px"], 1) for line in stored["lines"]),
-        rms_corrected_px=float(data["rms_corrected_px"]),
-        converged=bool(data["converged"]),
+        residuals_px=residuals_px,
+        before_px=before_px,
+        rms_corrected_px=_number(data["rms_corrected_px"]),
+        converged=data["converged"],
         reason=str(data["reason"]),
         notes=tuple(str(note) for note in data["notes"]),
     )
@@ -174,21 +204,24 @@ def _pair(values: Any) -> tuple[int, int]:
 
 def _array(values: Any, dimensions: int) -> Array:
     array = np.array(values, dtype=np.float64)
-    if array.ndim != dimensions or not np.all(np.isfinite(array)):
-        raise ValueError("an array has the wrong shape or is not finite")
+    if array.ndim != dimensions or not np.all(np.abs(array) <= _MOST):
+        raise ValueError("an array has the wrong shape or holds an absurd number")
     return array
 
 
+def _number(value: Any) -> float:
+    number = float(value)
+    if not abs(number) <= _MOST:
+        raise ValueError(f"{number:g} is an absurd number")
+    return number
+
+
 def _facts(data: Mapping[str, Any]) -> LensFacts:
-    texts = {k: str(data[k]) for k in ("maker", "model", "camera", "mount", "projection")}
-    numbers = {
-        k: None if data[k] is None else float(data[k])
-        for k in ("focal_mm", "crop_factor", "hfov_deg", "focal_px", "aspect_ratio")
-    }
+    facts: dict[str, Any] = {name: str(data[name]) for name in _TEXTS}
+    facts |= {name: None if data[name] is None else _number(data[name]) for name in _NUMBERS}
     requested = data["requested"]
     return LensFacts(
-        **texts,
-        **numbers,
-        stored={str(name): float(value) for name, value in data["stored"].items()},
+        **facts,
+        stored={str(name): _number(value) for name, value in data["stored"].items()},
         requested=None if requested is None else tuple(str(name) for name in requested),
     )

@@ -43,17 +43,29 @@ def write(
     """
     calibrations = [result] if isinstance(result, Calibration) else list(result)
     target = Path(path)
+    write_atomically({target: result_bytes(calibrations, target, overwrite=overwrite)})
+    return target
+
+
+def result_bytes(
+    calibrations: Sequence[Calibration], target: Path, *, overwrite: bool = False
+) -> bytes:
+    """What `write` writes, after its checks; nothing is written yet.
+
+    Raises:
+        PlumblineError: as `write`.
+    """
     suffix = target.suffix.lower()
     makers = {".pto": project_bytes, ".xml": lensfun_bytes, ".json": _json_bytes}
     if suffix not in makers:
         raise WriteError(
             f"the suffix {suffix or '(none)'} stands for no format of results",
-            path=path,
+            path=target,
             hint=f"use one of {', '.join(RESULT_SUFFIXES)}",
         )
-    refuse_to_clobber(target, _inputs(calibrations[0].observations), overwrite=overwrite)
-    write_atomically(target, makers[suffix](calibrations))
-    return target
+    inputs = [path for made in calibrations for path in _inputs(made.observations)]
+    refuse_to_clobber(target, inputs, overwrite=overwrite)
+    return makers[suffix](calibrations)
 
 
 def write_points(observations: Observations, path: str | Path, *, overwrite: bool = False) -> Path:
@@ -80,7 +92,7 @@ def write_points(observations: Observations, path: str | Path, *, overwrite: boo
         content = write_csv(observations).encode()
     else:
         content = new_project(observations, {})
-    write_atomically(target, content)
+    write_atomically({target: content})
     return target
 
 
@@ -101,7 +113,7 @@ def project_bytes(calibrations: Sequence[Calibration]) -> bytes:
     values = [ptlens_values(made) for made in calibrations]
     origins = calibrations[0].observations.origins
     square = all(p.pixel_aspect == 1 for made in calibrations for p in made.observations.photos)
-    if len(origins) == 1 and origins[0].format == "pto" and square:
+    if len(origins) == 1 and origins[0].format == "pto" and origins[0].content and square:
         of_photo = {
             photo.number: value
             for made, value in zip(calibrations, values, strict=True)
@@ -147,9 +159,8 @@ def lensfun_bytes(calibrations: Sequence[Calibration]) -> bytes:
             f"LensFun does not know the model {first.model}",
             hint=f"fit with one of {', '.join(LENSFUN_MODELS)}, or write -o RESULT.json",
         )
-    centres = {made.lens.coefficients["d"] for made in calibrations}
-    centres |= {made.lens.coefficients["e"] for made in calibrations}
-    if len(calibrations) > 1 and len(centres) > 1:
+    _refuse_several_lenses(calibrations)
+    if len({(made.coefficients["d"], made.coefficients["e"]) for made in calibrations}) > 1:
         raise UnsupportedModelError(
             "a LensFun lens has one centre for all focal lengths, and these have several",
             hint="hold the centre with --hold d,e, or write each focal length by itself",
@@ -161,14 +172,13 @@ def lensfun_bytes(calibrations: Sequence[Calibration]) -> bytes:
             "the crop factor is not known" if None in crops else "the crop factors differ",
             hint="give it with --crop-factor",
         )
-    width, height = first.lens.frame.square_size
     radius_px = first.lens.frame.radius_px
     head = LensfunLens(
         maker=facts.maker or "Unknown",
         model=lens_name(first),
         mount=facts.mount or "Generic",
         crop_factor=crop_factor,
-        aspect_ratio=facts.aspect_ratio or max(width, height) / min(width, height),
+        aspect_ratio=aspect_ratio(first),
         centre=(
             first.coefficients["d"] * first.lens.frame.pixel_aspect / radius_px,
             first.coefficients["e"] / radius_px,
@@ -176,6 +186,23 @@ def lensfun_bytes(calibrations: Sequence[Calibration]) -> bytes:
         comment=_comment(calibrations),
     )
     return lensfun_xml(head, [_entry(made) for made in calibrations])
+
+
+def _refuse_several_lenses(calibrations: Sequence[Calibration]) -> None:
+    hint = "write each lens by itself: select a photo of it with --image N"
+    names = list(dict.fromkeys(lens_name(made) for made in calibrations))
+    if len(names) > 1:
+        raise OptionError(f"these are several lenses, {' and '.join(names)}", hint=hint)
+    shapes = [aspect_ratio(made) for made in calibrations]
+    if max(shapes) / min(shapes) > 1.02:
+        raise OptionError("the photos differ in their aspect ratio", hint=hint)
+
+
+def aspect_ratio(made: Calibration) -> float:
+    """Longer side over shorter side, as the user rounds it or as the photo has it."""
+    width, height = made.lens.frame.square_size
+    given = made.observations.lenses[0].aspect_ratio
+    return given or max(width, height) / min(width, height)
 
 
 def _entry(made: Calibration) -> Distortion:
@@ -208,6 +235,11 @@ def label_notes(made: Calibration) -> list[str]:
     if not facts.model:
         after = "its camera" if facts.camera else "the file of the points"
         notes.append(f"the lens is named after {after}: {lens_name(made)} (--lens-name)")
+    if facts.crop_factor and facts.crop_factor_error:
+        notes.append(
+            f"the crop factor {facts.crop_factor:.4g} is EXIF's 35-mm equivalent over the focal "
+            f"length, good to {100 * facts.crop_factor_error:.1f} % (--crop-factor)"
+        )
     if not facts.mount:
         notes.append("the mount is not known and written as Generic (--mount)")
     return notes

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import _thread
+import io
 import sys
+import threading
 from importlib import import_module
 
 import click
 
 from plumbline._version import __version__
-from plumbline.errors import PlumblineError
+from plumbline.errors import PlumblineError, printable
 
 VERBS = {
     "fit": "Find the distortion that makes picked lines straight.",
@@ -54,17 +57,26 @@ def command() -> None:
 
 def main() -> None:
     """Run the command line; errors become one red sentence, the remedy, and status 1."""
+    for stream in (sys.stdout, sys.stderr):
+        # A file name that is no text, or a terminal without Greek letters, is no reason to stop.
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")
+    sys.unraisablehook = _interrupted_again
     try:
         command(prog_name="plumbline")
     except PlumblineError as error:
-        click.secho(f"Error: {_printable(error.message)}.", fg="red", err=True)
+        click.secho(f"Error: {printable(error.message)}.", fg="red", err=True)
         if error.hint:
-            click.echo(f"  {_printable(error.hint)}.", err=True)
+            click.echo(f"  {printable(error.hint)}.", err=True)
         sys.exit(1)
-    except BrokenPipeError:
-        sys.stderr.close()
+    except OSError as error:  # files have errors of their own: this is the standard output
+        click.secho(f"Error: the output cannot be written: {error.strerror}.", fg="red", err=True)
         sys.exit(1)
 
 
-def _printable(text: str) -> str:
-    return "".join(c if c.isprintable() else "�" for c in text)
+def _interrupted_again(unraisable: sys.UnraisableHookArgs) -> None:
+    """Send Ctrl-C again where it fell into a callback, from which Python lets nothing out."""
+    if unraisable.exc_type is KeyboardInterrupt:
+        threading.Timer(0.01, _thread.interrupt_main).start()
+    else:
+        sys.__unraisablehook__(unraisable)

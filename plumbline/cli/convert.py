@@ -28,15 +28,16 @@ Example:
 def command(source: str, target: str, overwrite: bool, image: int | None, **how: Any) -> None:
     """Read points and write them."""
     from plumbline.cli.pipeline import gather
+    from plumbline.errors import printable
     from plumbline.observations import count
     from plumbline.writing import write_points
 
     observations = gather([source], image=image, **how)
     written = write_points(observations, target, overwrite=overwrite)
     for note in observations.notes:
-        click.echo(f"Note: {note}.", err=True)
+        click.echo(f"Note: {printable(note)}.", err=True)
     click.echo(
-        f"Wrote {written}: {count(observations.n_points, 'point')} on "
+        f"Wrote {printable(str(written))}: {count(observations.n_points, 'point')} on "
         f"{count(len(observations.lines), 'line')}."
     )
-    click.echo(f"Next: plumbline fit {written}", err=True)
+    click.echo(f"Next: plumbline fit {printable(str(written))}", err=True)

@@ -95,10 +95,10 @@ def command(  # noqa: PLR0917
 
     from rich.console import Console
 
-    from plumbline.cli.pipeline import gather, name_the_lens, split_by_lens, write_results
-    from plumbline.errors import PlumblineError
+    from plumbline.cli.pipeline import gather, name_the_source, split_by_lens, write_results
+    from plumbline.errors import PlumblineError, printable
     from plumbline.models import get_model
-    from plumbline.report.terminal import print_summary
+    from plumbline.report.terminal import WideConsole, print_summary
 
     get_model(model)
     labels = {
@@ -122,7 +122,7 @@ def command(  # noqa: PLR0917
                     part, model, free=free, hold=hold or (), start=start, residual=residual
                 )
             except PlumblineError as error:
-                raise name_the_lens(error, part, len(parts)) from None
+                raise name_the_source(error, part, len(parts)) from None
             calibrations.append(made)
     written, notes = write_results(calibrations, output, points[0], overwrite=overwrite)
     last = calibrations[-1]
@@ -132,6 +132,6 @@ def command(  # noqa: PLR0917
 
         click.echo(to_json(calibrations), nl=False)
         for path in written:
-            click.echo(f"Wrote {path}", err=True)
+            click.echo(f"Wrote {printable(str(path))}", err=True)
         return
-    print_summary(Console(), calibrations, written, verbose=verbose, quiet=quiet)
+    print_summary(WideConsole(), calibrations, written, verbose=verbose, quiet=quiet)

@@ -19,9 +19,7 @@ Example:
 @click.command("models", help=_HELP, short_help="List the distortion models.")
 def command() -> None:
     """Print the table of models."""
-    from rich.console import Console
-
     from plumbline.models import MODELS
-    from plumbline.report.terminal import models_table
+    from plumbline.report.terminal import WideConsole, models_table
 
-    Console().print(models_table(MODELS.values()))
+    WideConsole().print(models_table(MODELS.values()))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
@@ -16,7 +16,13 @@ _F = TypeVar("_F", bound=Callable[..., Any])
 _FORMATS = "ptgui, pto, cvat, labelme, via, imagej, webplotdigitizer, winmorph, csv"
 
 
-class Pair(click.ParamType):
+if TYPE_CHECKING:
+    _Type = click.ParamType[Any]
+else:
+    _Type = click.ParamType  # not generic in every version that will do
+
+
+class Pair(_Type):
     """Two positive whole numbers with an x between them."""
 
     name = "pair"
@@ -35,7 +41,7 @@ class Pair(click.ParamType):
         return int(match[1]), int(match[2])
 
 
-class Names(click.ParamType):
+class Names(_Type):
     """Names separated by commas."""
 
     name = "names"
@@ -50,7 +56,7 @@ class Names(click.ParamType):
         return names
 
 
-class Start(click.ParamType):
+class Start(_Type):
     """A start vector, or the word `file`."""
 
     name = "start"
@@ -73,7 +79,7 @@ class Start(click.ParamType):
         return start
 
 
-class Positive(click.ParamType):
+class Positive(_Type):
     """A finite number above zero."""
 
     name = "number"

@@ -10,9 +10,10 @@ from typing import Any
 from plumbline.calibration import Calibration
 from plumbline.cli.options import check_aspect_ratio
 from plumbline.errors import OptionError, PlumblineError
-from plumbline.observations import Observations
+from plumbline.files import write_atomically
+from plumbline.observations import Observations, listed
 from plumbline.reading import join, read
-from plumbline.writing import label_notes, write
+from plumbline.writing import label_notes, result_bytes
 
 
 def gather(sources: Sequence[str], image: int | None, **how: Any) -> Observations:
@@ -52,6 +53,8 @@ def split_by_lens(observations: Observations, labels: Mapping[str, Any]) -> list
     """
     with_lines = sorted({observations.photos[line.photo].lens for line in observations.lines})
     given = {name: value for name, value in labels.items() if value is not None}
+    if "crop_factor" in given:
+        given["crop_factor_error"] = None
     single = {"focal_mm": "--focal", "focal_px": "--focal-px"}
     if len(with_lines) > 1 and (wrong := single.keys() & given.keys()):
         raise OptionError(
@@ -90,11 +93,11 @@ def write_results(
     chosen = [Path(name) for name in outputs] or [
         Path(source).with_suffix(f".fit{suffix}") for suffix in (".pto", ".xml")
     ]
-    written: list[Path] = []
+    contents: dict[Path, bytes] = {}
     notes: list[str] = []
     for target in chosen:
         try:
-            written.append(write(calibrations, target, overwrite=overwrite))
+            contents[target] = result_bytes(calibrations, target, overwrite=overwrite)
         except OptionError as error:
             if outputs:
                 raise
@@ -102,15 +105,19 @@ def write_results(
         else:
             if target.suffix.lower() == ".xml":
                 notes += label_notes(calibrations[0])
-    if not written:
+    if not contents:
         target = Path(source).with_suffix(".fit.json")
-        written.append(write(calibrations, target, overwrite=overwrite))
-    return written, notes
+        contents[target] = result_bytes(calibrations, target, overwrite=overwrite)
+    write_atomically(contents)
+    return list(contents), notes
 
 
-def name_the_lens(error: PlumblineError, part: Observations, n_parts: int) -> PlumblineError:
-    """Say which photos an error is about, where a project has several lenses."""
+def name_the_source(error: PlumblineError, part: Observations, n_parts: int) -> PlumblineError:
+    """Say which files an error is about, and which photos where a project has several lenses."""
     if n_parts > 1:
-        names = ", ".join(f"{photo.number} {photo.name}".strip() for photo in part.photos)
-        error.message = f"photo {names}: {error.message}"
+        names = [f"{photo.number} {photo.name}".strip() for photo in part.photos]
+        error.message = f"photo {listed(names)}: {error.message}"
+    files = listed(list(dict.fromkeys(origin.path for origin in part.origins)), 3)
+    if not error.message.startswith(files):
+        error.message = f"{files}: {error.message}"
     return error

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,10 @@ _LEAST_ROWS = 16
 _WIDTHS = 8, 32, 128
 
 
+AnyArray: TypeAlias = Any
+"""An array of NumPy outside compiled programs, of JAX inside them."""
+
+
 class Block(NamedTuple):
     """Padded points of one problem, or with a leading axis of several.
 
@@ -30,9 +34,9 @@ class Block(NamedTuple):
         row_line: Which line each row belongs to, shape (rows,).
     """
 
-    xy: Array
-    weight: Array
-    row_line: NDArray[np.int32]
+    xy: AnyArray
+    weight: AnyArray
+    row_line: AnyArray
 
 
 @dataclass(frozen=True)
@@ -55,7 +59,7 @@ class Packed:
         rows, width = self.block.weight.shape
         return rows, width
 
-    def unpack(self, values: Array) -> Array:
+    def unpack(self, values: AnyArray) -> Array:
         """Values of shape (rows, width, ...) for the points alone, in the order of the lines."""
         return np.asarray(values).reshape(-1, *np.shape(values)[2:])[self.cells]
 

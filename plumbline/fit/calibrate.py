@@ -13,8 +13,9 @@ from plumbline.errors import OptionError, PlumblineError
 from plumbline.fit.blocks import Packed, pack
 from plumbline.fit.notes import after_fit
 from plumbline.fit.options import Plan, plan
-from plumbline.fit.solve import BATCH, Solution, Task, solve, solve_many
+from plumbline.fit.solve import BATCH, solve, solve_many
 from plumbline.fit.straightness import straightness_before
+from plumbline.fit.task import Solution, Task
 from plumbline.fit.uncertainty import (
     degrees_of_freedom,
     refuse_collapsed,

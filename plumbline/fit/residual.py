@@ -17,10 +17,12 @@ import jax.numpy as jnp
 from jax import lax
 
 from plumbline.fit.blocks import Block
+from plumbline.fit.task import Residuals
 from plumbline.models.base import Model, radius
 from plumbline.models.inverse import limit_candidates, plane_step, radius_step
 
 _MOST_STEPS = 60
+_PLANE_STEPS = 8
 
 
 class Undistorted(NamedTuple):
@@ -36,22 +38,6 @@ class Undistorted(NamedTuple):
     u: jax.Array
     v: jax.Array
     jacobian: tuple[jax.Array, jax.Array, jax.Array, jax.Array]
-    excess: jax.Array
-
-
-class Residuals(NamedTuple):
-    """Residuals of a block in pixels, 0 for padding; shape (rows, width) each.
-
-    Attributes:
-        image: Distance in the photograph.
-        corrected: Distance in the corrected photograph.
-        determinant: Local area of the corrected photo over that of the photograph.
-        excess: As in `Undistorted`.
-    """
-
-    image: jax.Array
-    corrected: jax.Array
-    determinant: jax.Array
     excess: jax.Array
 
 
@@ -101,6 +87,9 @@ def _invert(
         step, _, r, low, high = carry
         return (step + 1, r, *radius_step(model, c, aim, (r, low, high)))
 
+    def closer(_: int, uv: tuple[jax.Array, jax.Array]) -> tuple[jax.Array, jax.Array]:
+        return plane_step(model, c, x, y, *uv)
+
     start = jnp.minimum(aim, top)
     carry = (jnp.array(0), start - 1, start, jnp.zeros_like(r0 := aim), jnp.full_like(r0, top))
     r = lax.while_loop(unsettled, improve, carry)[2]
@@ -108,7 +97,7 @@ def _invert(
     ratio = jnp.where(target > 0, r / jnp.where(target > 0, target, 1.0), 1.0)
     u, v = x * ratio, y * ratio
     if model.tangential:
-        u, v = lax.fori_loop(0, 8, lambda _, uv: plane_step(model, c, x, y, *uv), (u, v))
+        u, v = lax.fori_loop(0, _PLANE_STEPS, closer, (u, v))
     return u, v, excess
 
 
@@ -142,16 +131,16 @@ def _line_frame(
     """Points relative to the centroid of their line, and the line's unit normal, per row."""
     rows = block.row_line.shape[0]
 
-    def of_line(values: jax.Array) -> jax.Array:
-        sums = jnp.sum(values * block.weight, axis=1)
+    def of_line(*values: jax.Array) -> list[jax.Array]:
+        sums = jnp.einsum("rw,rwm->rm", block.weight, jnp.stack(values, axis=-1))
         totals = jax.ops.segment_sum(
             sums, block.row_line, num_segments=rows, indices_are_sorted=True
         )
-        return totals[block.row_line][:, None]
+        return [total[:, None] for total in totals[block.row_line].T]
 
-    n = jnp.maximum(of_line(jnp.ones_like(u)), 1.0)
-    u, v = u - of_line(u) / n, v - of_line(v) / n
-    cross, spread = 2 * of_line(u * v), of_line(u * u) - of_line(v * v)
+    n, sum_u, sum_v = of_line(jnp.ones_like(u), u, v)
+    u, v = u - sum_u / jnp.maximum(n, 1.0), v - sum_v / jnp.maximum(n, 1.0)
+    cross, spread = of_line(2 * u * v, u * u - v * v)
     spread = jnp.where((cross == 0) & (spread == 0), 1.0, spread)
     whole = jnp.sqrt(cross * cross + spread * spread)
     # Half an angle without trigonometry, by the form that does not cancel.

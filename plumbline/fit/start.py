@@ -70,7 +70,7 @@ def _translated(
     reach: jax.Array,
     gauge_radius: jax.Array,
 ) -> jax.Array:
-    observed = reach * jnp.arange(1, _CURVE_POINTS + 1) / _CURVE_POINTS
+    observed = reach * jnp.arange(1.0, _CURVE_POINTS + 1) / _CURVE_POINTS
     # The division curve is true to scale at the centre; a model whose scale is 1 at the gauge
     # radius sees the same curve with its ideal radii divided by the curve's scale there.
     ideal = observed / (1 + bend * observed**2) * jnp.maximum(1 + bend * gauge_radius**2, 0.05)
@@ -85,7 +85,7 @@ def _translated(
     radial = jnp.array([name not in model.tangential for name in model.coefficients])
     fitted = free[:-2] & radial
     base = jnp.where(fitted, 0.0, held[:-2])
-    design = jax.jacfwd(miss)(base) * fitted
+    design = jnp.where(fitted, jax.jacfwd(miss)(base), 0.0)
     ridge = 1e-9 * jnp.sum(design**2) + jnp.finfo(design.dtype).tiny
     normal = design.T @ design + ridge * jnp.eye(design.shape[1])
     solution = jnp.linalg.solve(normal, -design.T @ miss(base))

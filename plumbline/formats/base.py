@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Literal
 
-from plumbline.errors import ReadError
+from plumbline.errors import ReadError, printable
 from plumbline.observations import Observations
 
 Order = Literal["raster", "zigzag"]
@@ -43,7 +43,7 @@ class Source:
             ReadError: the file is empty or binary.
         """
         if not self.content.strip():
-            raise self.error("the file is empty")
+            raise self.error("the file is empty", hint="save or export the points again")
         if self.content.startswith((b"\xff\xfe", b"\xfe\xff")):
             encodings = ("utf-16",)
         else:
@@ -120,4 +120,4 @@ class Format:
 def shown(text: str, most: int = 40) -> str:
     """Text from a file, quoted, shortened and made safe for a terminal."""
     cut = text if len(text) <= most else text[: most - 1] + "…"
-    return "'" + "".join(c if c.isprintable() else "�" for c in cut) + "'"
+    return f"'{printable(cut)}'"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from array import array
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -26,12 +27,12 @@ _TOKEN = re.compile(r"(?<=[ \t])([nNxyXYt])(\S+)")
 
 @dataclass
 class ControlPoints:
-    """Control points as they are collected, one entry a pair."""
+    """Control points as they are collected; of each two images and four coordinates."""
 
-    images: list[tuple[int, int]] = field(default_factory=list[tuple[int, int]])
-    kinds: list[int] = field(default_factory=list[int])
-    ends: list[tuple[float, ...]] = field(default_factory=list[tuple[float, ...]])
-    rows: list[int] = field(default_factory=list[int])
+    images: array[int] = field(default_factory=lambda: array("q"))
+    kinds: array[int] = field(default_factory=lambda: array("q"))
+    ends: array[float] = field(default_factory=lambda: array("d"))
+    rows: array[int] = field(default_factory=lambda: array("q"))
 
     def add(self, source: Source, row: int, text: str) -> None:
         """Read one `c` record."""
@@ -41,10 +42,14 @@ class ControlPoints:
             ends = float(x), float(y), float(x2), float(y2)
         except ValueError:  # "1-2": the sentence comes from the check of each
             ends = tuple(source.number(value, row) for value in (x, y, x2, y2))
-        self.images.append((int(n), int(m)))
+        self.images.extend((int(n), int(m)))
         self.kinds.append(int(kind))
-        self.ends.append(ends)
+        self.ends.extend(ends)
         self.rows.append(row)
+
+    def count_from(self, first: int) -> None:
+        """Let the image that has been number `first` be number 0."""
+        self.images = array("q", (number - first for number in self.images))
 
 
 def _scrambled(source: Source, row: int, text: str) -> tuple[str, ...]:
@@ -90,7 +95,7 @@ def collect_lines(
     if not np.any(chosen):
         raise _no_lines(source, len(kinds))
     _note_others(straight, within, notes)
-    ends = np.array(points.ends)[chosen]
+    ends = np.array(points.ends).reshape(-1, 4)[chosen]
     if np.all((ends[:, :2] == ends[:, 2:]).all(axis=1)):
         notes.append(
             "every pair has one point on both ends, which Hugin cannot optimise; each was taken "

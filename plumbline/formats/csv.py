@@ -6,8 +6,9 @@
     roof,5,7                 5 7
 
 With a header the columns may stand in any order: `line`, `x`, `y`, and `photo` or `image`
-where one lens took several photos; other columns are ignored. Without a `line` column, blank
-lines and comments part the lines. Without a header, three columns are line, x, y and two are
+where one lens took several photos; other columns are ignored. A column named label, edge,
+curve or group stands in for `line`, and one named filename for `photo`; without any of them,
+blank lines and comments part the lines. Without a header, three columns are line, x, y and two are
 x, y. Commas, semicolons, tabs or blanks part the columns; with the latter three the decimal
 sign may be a comma. Rows of the same line need not follow each other.
 

@@ -14,7 +14,7 @@
   of a single point are gathered by their group. Areas and angles are left aside.
 
 ImageJ counts line and point selections from the centre of the pixel, areas from its corner
-(`Roi.useLineSubpixelConvention`, ImageJ 1.52 and later): nothing is added. Results and XY
+(`Roi.useLineSubpixelConvention`): nothing is added. Results and XY
 coordinates are in the unit of Analyze > Set Scale; points must be saved in pixels. Dropped:
 measurements, colours, positions in a stack. Source: `ij/gui/Roi.java`, `ij/plugin/filter/
 Analyzer.java` and `XYWriter.java`; selections are decoded by the package roifile.
@@ -54,7 +54,7 @@ def read(source: Source, _options: ReadOptions) -> Observations:
         ReadError: the file is none of these, or its points cannot be told apart by line.
     """
     if source.content.startswith((b"Iout", b"PK")):
-        from plumbline.formats.imagej_roi import read_selections  # noqa: PLC0415
+        from plumbline.formats.imagej_roi import read_selections
 
         return read_selections(source)
     table = Table.of(source, comments=False)

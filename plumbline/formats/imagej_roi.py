@@ -101,7 +101,7 @@ def _kind(source: Source, name: str, content: bytes) -> str:
 
 
 def _decoded(source: Source, name: str, content: bytes) -> ImagejRoi:
-    from roifile import ImagejRoi  # noqa: PLC0415
+    from roifile import ImagejRoi
 
     try:
         return ImagejRoi.frombytes(content)

@@ -9,8 +9,8 @@ lines. Kept: labels, coordinates, the photo's name and size. Dropped: other shap
 says which), flags, the embedded photo.
 
 labelme draws on a canvas where (0, 0) is the corner of the first pixel and keeps the place of
-the mouse over the zoom (`labelme/widgets/canvas.py`, transformPos and paintEvent; its issue
-1226 and pull request 2239 agree), so 0.5 is subtracted here.
+the mouse over the zoom (`labelme/widgets/canvas.py`, transformPos; its issue 1226 has
+coordinates run from 0 to the width), so 0.5 is subtracted here.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def read(source: Source, _options: ReadOptions) -> Observations:
     gatherer = LineGatherer(source, shift_px=-0.5)
     for number, value in enumerate(shapes, start=1):
         shape = as_object(source, value, f"shape {number}")
-        # labelme before 3.0 drew only polygons and did not name the type.
+        # labelme itself takes a shape without a type for a polygon.
         kind = as_text(shape.get("shape_type")) or "polygon"
         if kind not in _LINES:
             gatherer.leave_aside(kind)

@@ -15,10 +15,13 @@ LensFun 0.3.4 and its development version.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from decimal import Decimal
+from typing import Any
 
-from lxml import etree
+from lxml import etree  # pyright: ignore[reportAttributeAccessIssue]
 
 from plumbline.errors import OptionError, UnsupportedModelError
 
@@ -89,7 +92,7 @@ def lensfun_xml(head: LensfunLens, entries: Sequence[Distortion]) -> bytes:
     version = "2" if any(entry.model == "acm" for entry in entries) else "1"
     root = etree.Element("lensdatabase", version=version)
     if head.comment:
-        root.append(etree.Comment(" " + head.comment.replace("--", "- -").rstrip("-") + " "))
+        root.append(etree.Comment(" " + re.sub("-(?=-|$)", "- ", _characters(head.comment)) + " "))
     lens = etree.SubElement(root, "lens")
     _child(lens, "maker", head.maker)
     _child(lens, "model", head.model)
@@ -107,14 +110,16 @@ def lensfun_xml(head: LensfunLens, entries: Sequence[Distortion]) -> bytes:
     return etree.tostring(root, xml_declaration=True, encoding="UTF-8") + b"\n"
 
 
-def _child(parent: etree._Element, tag: str, text: str) -> None:
-    printable = "".join(c for c in text if c.isprintable() and not "\ud800" <= c <= "\udfff")
-    etree.SubElement(parent, tag).text = printable
+def _child(parent: Any, tag: str, text: str) -> None:
+    etree.SubElement(parent, tag).text = _characters(text)
+
+
+def _characters(text: str) -> str:
+    """Those characters of a text that XML can hold and people can see."""
+    return "".join(c for c in text if c.isprintable())
 
 
 def number(value: float) -> str:
     """At least 7 significant digits, without an exponent."""
-    text = f"{value:.9g}"
-    if "e" in text:
-        text = f"{value:.15f}".rstrip("0").rstrip(".")
-    return text if text != "-0" else "0"
+    text = f"{Decimal(f'{value:.9g}'):f}"
+    return text if float(text) else "0"

@@ -100,7 +100,8 @@ class LineGatherer:
                 "correct or remove it",
             )
         name = self._labels(label, index)
-        self._lines.append(Line(made + self._shift_px, index, name, numbers))
+        shifted = made + self._shift_px if self._shift_px else made  # keeps a negative zero
+        self._lines.append(Line(shifted, index, name, numbers))
 
     def leave_aside(self, kind: str) -> None:
         """Count a shape that is not read, by its kind."""

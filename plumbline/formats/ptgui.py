@@ -23,7 +23,7 @@ from dataclasses import dataclass, field, replace
 from plumbline.formats.base import Format, ReadOptions, Source
 from plumbline.formats.control_points import ControlPoints, collect_lines
 from plumbline.formats.pto import refuse_moved_centre
-from plumbline.formats.script import ImageRecord, decoded, parse_image
+from plumbline.formats.script import ImageRecord, kind_of, parse_image, readable, records
 from plumbline.observations import LensFacts, Observations, Photo
 
 _FILE_VERSION = re.compile(r"#-fileversion (\d{1,6})\s*\Z")
@@ -53,20 +53,19 @@ def _recognises(source: Source) -> bool:
 
 def _parse(source: Source) -> _Project:
     project = _Project()
-    text = decoded(source)
-    if text.lstrip().startswith("{"):
+    if source.head.lstrip().startswith("{"):
         raise source.error(
             "this is a project of PTGui 12 or newer (JSON), which is not read",
             hint="pick the points in Hugin or another viewer, or save them as CSV: line,x,y",
         )
-    for row, line in enumerate(text.split("\n"), 1):
+    for row, line in enumerate(records(source), 1):
         if line.startswith("#-"):
             _read_comment(source, project, row, line)
-        elif line.startswith("o "):
+        elif kind_of(line) == "o":
             _read_image(source, project, row, line)
-        elif line.startswith("c "):
+        elif kind_of(line) == "c":
             project.points.add(source, row, line)
-        elif line.startswith("v "):
+        elif kind_of(line) == "v":
             project.requested.update(line.split()[1:])
     return project
 
@@ -78,7 +77,7 @@ def _read_comment(source: Source, project: _Project, row: int, line: str) -> Non
         project.has_dummy = True
         project.pending = (1, 1, "")
     elif found := _IMAGE_FILE.match(line):
-        project.pending = (int(found[1]), int(found[2]), found[3])
+        project.pending = (int(found[1]), int(found[2]), readable(found[3]))
     elif found := _CROP.match(line):
         crop_factor = source.number(found[1], row, what="the crop factor")
         project.crop_factor = crop_factor if crop_factor > 0 else None
@@ -109,7 +108,7 @@ def _read(source: Source, _: ReadOptions) -> Observations:
     if not images:
         raise source.error("there is no image in this project", hint="add the photo in PTGui")
     if first and project.version >= _COUNTS_DUMMY_FROM:
-        project.points.images = [(n - first, m - first) for n, m in project.points.images]
+        project.points.count_from(first)
     notes: list[str] = []
     lines = collect_lines(source, project.points, len(images), notes)
     for image in {line.photo for line in lines}:
@@ -126,6 +125,19 @@ def _read(source: Source, _: ReadOptions) -> Observations:
         ),
         notes=tuple(notes),
     )
+
+
+def read_images(source: Source) -> list[ImageRecord]:
+    """The image records of a project with their sizes, whether or not it has straight lines.
+
+    Raises:
+        ReadError: a record is damaged, or there is none.
+    """
+    project = _parse(source)
+    images = project.images[1 if project.has_dummy else 0 :]
+    if not images:
+        raise source.error("there is no image in this project", hint="add the photo in PTGui")
+    return images
 
 
 def _lenses(images: list[ImageRecord]) -> list[int]:

@@ -21,7 +21,7 @@ from dataclasses import dataclass, field
 
 from plumbline.formats.base import Format, ReadOptions, Source
 from plumbline.formats.control_points import ControlPoints, collect_lines
-from plumbline.formats.script import ImageRecord, decoded, parse_image, size_of
+from plumbline.formats.script import ImageRecord, kind_of, parse_image, records, size_of
 from plumbline.observations import LensFacts, Observations, Photo
 
 _LENS_COEFFICIENTS = ("a", "b", "c", "d", "e")
@@ -52,15 +52,15 @@ def _recognises(source: Source) -> bool:
 def _parse(source: Source) -> _Script:
     script = _Script()
     crop_factor: float | None = None
-    for row, text in enumerate(decoded(source).split("\n"), 1):
-        kind = text[:2].replace("\t", " ")
-        if kind == "c ":
+    for row, text in enumerate(records(source), 1):
+        kind = kind_of(text)
+        if kind == "c":
             script.points.add(source, row, text)
-        elif kind == "i ":
+        elif kind == "i":
             script.images.append(parse_image(source, row, text, script.images))
             script.crop_factors.append(crop_factor)
             crop_factor = None
-        elif kind == "v ":
+        elif kind == "v":
             names = (_VARIABLE.fullmatch(token) for token in text.split()[1:])
             script.variables += [(m[1], int(m[2])) for m in names if m and len(m[2]) < 10]
         elif text.startswith("#-hugin"):
@@ -132,6 +132,18 @@ def _facts(
         listed = ", ".join(words.get(name, name) for name in unseen)
         notes.append(f"the project asks to optimise {listed}, which straight lines do not show")
     return tuple(facts)
+
+
+def read_images(source: Source) -> list[ImageRecord]:
+    """The image records of a project, whether or not it has straight lines.
+
+    Raises:
+        ReadError: a record is damaged, or there is none.
+    """
+    images = _parse(source).images
+    if not images:
+        raise source.error("there is no image in this project", hint="add the photo in Hugin")
+    return images
 
 
 def refuse_moved_centre(source: Source, image: ImageRecord) -> None:

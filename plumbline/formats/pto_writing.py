@@ -14,10 +14,11 @@ from plumbline.formats.control_points import FIRST_LINE_TYPE, pairs
 from plumbline.formats.script import (
     ImageRecord,
     decimal,
-    decoded,
     encoded,
     fitted,
+    kind_of,
     parse_image,
+    records,
     with_values,
 )
 from plumbline.observations import Observations
@@ -39,9 +40,9 @@ def rewritten(content: bytes, path: str, values: dict[int, dict[str, float]]) ->
     """
     source = Source(path, content)
     images: list[ImageRecord] = []
-    texts = decoded(source).split("\n")
+    texts = records(source)
     for index, text in enumerate(texts):
-        if text[:2] != "i ":
+        if kind_of(text) != "i":
             continue
         image = parse_image(source, index + 1, text, images)
         wanted = values.get(len(images))
@@ -49,7 +50,7 @@ def rewritten(content: bytes, path: str, values: dict[int, dict[str, float]]) ->
             keep = {name for name, root in image.links.items() if values.get(root) == wanted}
             texts[index] = with_values(text, wanted, keep)
         images.append(image)
-    return encoded("\n".join(texts))
+    return encoded(texts)
 
 
 def new_project(observations: Observations, values: Mapping[int, Mapping[str, float]]) -> bytes:
@@ -80,7 +81,7 @@ def new_project(observations: Observations, values: Mapping[int, Mapping[str, fl
         numbers[line.photo] += 1
         out += pairs(line, kind)
     out += ["", "#hugin_optimizeReferenceImage 0", ""]
-    return encoded("\n".join(out))
+    return encoded(out)
 
 
 def _hfov(observations: Observations, number: int) -> float:
@@ -105,7 +106,8 @@ def _image_lines(
     facts = observations.lenses[photo.lens]
     linked = first_of_lens.get(photo.lens)
     width, height = photo.frame.size
-    name = "".join(c for c in photo.name if c.isprintable() and c != '"') or f"photo{number}.jpg"
+    kept = (c for c in photo.name if (c.isprintable() or "\udc80" <= c <= "\udcff") and c != '"')
+    name = "".join(kept) or f"photo{number}.jpg"
     comment = (
         f"#-hugin  cropFactor={decimal(facts.crop_factor)}" if facts.crop_factor else "#-hugin "
     )

@@ -9,7 +9,7 @@ values that were set.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from plumbline.files import FITTED_DECIMALS
@@ -29,10 +29,13 @@ PROJECTIONS = {
     21: "equisolid fisheye",
 }
 
+MAX_RECORDS = 2_000_000
+MAX_RECORD_LENGTH = 100_000
+
 _QUOTED = re.compile(r'"[^"]*"?')
-_VALUE = re.compile(r"(?<=[ \t])([whfvabcdegt])(?=[-+.=\d]|nan|inf)(\S+)", re.IGNORECASE)
+_VALUE = re.compile(r"(?<=[ \t])([whfvabcdegt])(\S+)")
 _NAME = re.compile(r'[ \t]n"([^"]*)"')
-_CROP = re.compile(r"[ \t]C(-?\d+),(-?\d+),(-?\d+),(-?\d+)")
+_CROP = re.compile(r"[ \t]C(-?\d{1,9}),(-?\d{1,9}),(-?\d{1,9}),(-?\d{1,9})(?!\S)", re.ASCII)
 
 
 @dataclass(frozen=True)
@@ -80,19 +83,43 @@ class ImageRecord:
         )
 
 
-def decoded(source: Source) -> str:
-    """The script's text; `encoded` gives back the same bytes.
+def records(source: Source) -> list[str]:
+    """The script's lines as text; `encoded` gives back the same bytes.
 
     Raises:
-        ReadError: the file is empty or binary.
+        ReadError: the file is empty or binary, or larger than any real project.
     """
     source.text()
-    return source.content.decode("utf-8", errors="surrogateescape")
+    n_records = source.content.count(b"\n") + 1
+    if n_records > MAX_RECORDS:
+        raise source.error(
+            f"the project has {n_records:,} lines, more than the {MAX_RECORDS:,} that are read",
+            hint="save the project again with fewer control points",
+        )
+    texts = source.content.decode("utf-8", errors="surrogateescape").split("\n")
+    for row, text in enumerate(texts, 1):
+        if len(text) > MAX_RECORD_LENGTH:
+            raise source.error(f"the line has {len(text):,} characters", row, "remove this line")
+    return texts
 
 
-def encoded(text: str) -> bytes:
-    """Undo `decoded`."""
-    return text.encode("utf-8", errors="surrogateescape")
+def encoded(texts: Sequence[str]) -> bytes:
+    """Undo `records`."""
+    return "\n".join(texts).encode("utf-8", errors="surrogateescape")
+
+
+def readable(text: str) -> str:
+    """A part of a decoded script as real text; it is Latin-1 where it is no UTF-8."""
+    content = encoded([text])
+    try:
+        return content.decode()
+    except UnicodeDecodeError:
+        return content.decode("latin-1")
+
+
+def kind_of(text: str) -> str:
+    """The kind of a record, the character before its first blank; empty for anything else."""
+    return text[0] if text[1:2] in (" ", "\t") else ""
 
 
 def masked(text: str) -> str:
@@ -100,9 +127,7 @@ def masked(text: str) -> str:
     return _QUOTED.sub(lambda match: "_" * len(match.group()), text)
 
 
-def parse_image(
-    source: Source, row: int, text: str, earlier: list[ImageRecord], first_link: int = 0
-) -> ImageRecord:
+def parse_image(source: Source, row: int, text: str, earlier: Sequence[ImageRecord]) -> ImageRecord:
     """Read an image record.
 
     Args:
@@ -110,7 +135,6 @@ def parse_image(
         row: Line of the file, counted from 1.
         text: The line.
         earlier: The images before it, which `=N` may refer to.
-        first_link: The number that `=N` counts from.
 
     Raises:
         ReadError: a value is no number, or a link does not point to an earlier image.
@@ -119,11 +143,9 @@ def parse_image(
     links: dict[str, int] = {}
     for match in _VALUE.finditer(masked(text)):
         name, value = match[1], match[2]
-        if not name.islower():
-            continue
         if value.startswith("="):
             number = source.number(value[1:], row, what=f"the number of an image after {name}=")
-            link = int(number) - first_link
+            link = int(number)
             if number != int(number) or not 0 <= link < len(earlier):
                 raise source.error(
                     f"{shown(name + value)} does not refer to an earlier image",
@@ -136,7 +158,7 @@ def parse_image(
         else:
             values[name] = source.number(value, row, what=f"the value of {name}")
     found = _NAME.search(text)
-    return ImageRecord(row, text, values, links, found[1] if found else "")
+    return ImageRecord(row, text, values, links, readable(found[1]) if found else "")
 
 
 def size_of(source: Source, image: ImageRecord) -> tuple[int, int]:
@@ -163,20 +185,22 @@ def with_values(text: str, values: Mapping[str, float], keep_links: set[str]) ->
         values: Values by name; a value the line lacks is appended.
         keep_links: Names whose `=N` is left alone.
     """
-    pending = dict(values)
-    out, end = [], 0
+    out, end = list[str](), 0
+    met: set[str] = set()
     for match in _VALUE.finditer(masked(text)):
-        name = match[1]
-        if name not in pending:
+        name, old = match[1], match[2]
+        if name not in values:
             continue
-        value = pending.pop(name)
-        if match[2].startswith("=") and name in keep_links:
+        met.add(name)
+        linked = old.startswith("=")
+        if name in keep_links if linked else float(old) == values[name]:
             continue
-        out += [text[end : match.start(2)], fitted(value)]
+        out += [text[end : match.start(2)], fitted(values[name])]
         end = match.end(2)
     line = "".join(out) + text[end:]
     body = line.rstrip("\r\n \t")
-    return body + "".join(f" {n}{fitted(v)}" for n, v in pending.items()) + line[len(body) :]
+    lacking = [name for name in values if name not in met]
+    return body + "".join(f" {n}{fitted(values[n])}" for n in lacking) + line[len(body) :]
 
 
 def decimal(value: float) -> str:

@@ -1,4 +1,4 @@
-"""All datasets of WebPlotDigitizer in one CSV file (View Data > Export All Data).
+"""All datasets of WebPlotDigitizer, exported to one CSV file.
 
     roof,,left wall,
     X,Y,X,Y
@@ -10,9 +10,9 @@ One dataset is one line, in columns of its own; shorter ones end in empty cells.
 must have been loaded with the axes "Image", so that values are pixels with y down.
 
 WebPlotDigitizer counts from the corner of the first pixel: a click is the place on the canvas
-over the zoom, and its own detectors add 0.5 "to shift to the center of the pixels"
-(`core/point_detection`, `core/curve_detection/blobdetector.js`; `core/axes/image.js` passes
-pixels through). So 0.5 is subtracted here. Kept: names and coordinates. Dropped: nothing.
+over the zoom, and its blob detector adds 0.5 "to shift to the center of the pixels"
+(`core/curve_detection/blobdetector.js`; `core/axes/image.js` passes pixels through). So 0.5
+is subtracted here. Kept: names and coordinates. Dropped: nothing.
 """
 
 from __future__ import annotations

@@ -53,7 +53,7 @@ def read(source: Source, options: ReadOptions) -> Observations:
         ReadError: there is no shape, the photo's size is missing, or a single shape is not
             the grid it is said to be, or looks like one that is not named.
     """
-    shapes, skipped = _shapes(source)
+    shapes, notes = _shapes(source)
     shapes = [shape for shape in shapes if shape.points]
     if not shapes:
         raise source.error(
@@ -65,8 +65,7 @@ def read(source: Source, options: ReadOptions) -> Observations:
             hint="give the photo with --photo FILE or its size with --size WIDTHxHEIGHT",
         )
     gatherer = LineGatherer(source, shift_px=-0.5)
-    if skipped:
-        gatherer.notes.append(f"{count(skipped, 'row')} that hold no pair of numbers left aside")
+    gatherer.notes += notes
     size = np.array(options.size, dtype=np.float64)
     if options.grid is not None:
         _add_grid(gatherer, shapes, size, options)
@@ -87,31 +86,55 @@ def recognises(source: Source) -> bool:
     return source.suffix == ".mrf" or re.search(r"^[ \t]*Sets[ \t]*=", head, re.M) is not None
 
 
-def _shapes(source: Source) -> tuple[list[_Shape], int]:
-    """The shapes, and how many rows within them are no pair of numbers."""
-    text = source.text()
-    lines = text.count("\n") + text.count("\r") + 1
-    if lines > MAX_LINES:
-        raise source.error(f"the file has {lines:,} lines, more than are read")
+def _shapes(source: Source) -> tuple[list[_Shape], list[str]]:
+    """The shapes, and notes about the rows that were left aside."""
     shapes: list[_Shape] = []
-    skipped = unknown = 0
+    skipped = doubtful = unknown = 0
     inside = False
-    for at, line in enumerate(text.replace("\r\n", "\n").replace("\r", "\n").split("\n"), 1):
+    for at, line in enumerate(_lines(source), 1):
         if _HEADER.match(line):
             shapes.append(_Shape(line.strip()))
             inside, unknown = True, 2
+        elif inside and unknown:
+            unknown -= 1
+            pair = _pair(line)
+            doubtful += pair is not None and 0 < min(pair) <= max(pair) < 1
         elif not inside or not line.strip():
             continue
-        elif unknown:
-            unknown -= 1
         elif _END.match(line):
             inside = False
         elif (pair := _pair(line)) is None:
             skipped += 1
         else:
-            shapes[-1].points.append(pair)
+            shapes[-1].points.append(_fractions(source, pair, at))
             shapes[-1].rows.append(at)
-    return shapes, skipped
+    notes: list[str] = []
+    if skipped:
+        notes.append(f"{count(skipped, 'row')} without a pair of numbers left aside")
+    if doubtful:
+        notes.append(
+            f"{count(doubtful, 'row')} left aside for standing in the two after the header of a "
+            "shape, though like a point"
+        )
+    return shapes, notes
+
+
+def _lines(source: Source) -> list[str]:
+    text = source.text().replace("\r\n", "\n").replace("\r", "\n")
+    lines = text.count("\n") + 1
+    if lines > MAX_LINES:
+        raise source.error(f"the file has {lines:,} lines, more than are read")
+    return text.split("\n")
+
+
+def _fractions(source: Source, pair: tuple[float, float], line: int) -> tuple[float, float]:
+    if not -1 <= min(pair) <= max(pair) <= 2:
+        raise source.error(
+            f"{pair[0]:g} {pair[1]:g} are no fractions of the photo's width and height",
+            line,
+            "coordinates run from 0 to 1; write points in pixels as a table line,x,y",
+        )
+    return pair
 
 
 def _pair(line: str) -> tuple[float, float] | None:
@@ -154,12 +177,11 @@ def _add_grid(
 def _refuse_grid(source: Source, shape: _Shape, size: Array) -> None:
     """Refuse a shape that runs to and fro and is wide: no picture of a straight edge is."""
     points = np.array(shape.points) * size
-    if len(points) < 6 or not np.isfinite(points).all():
+    if len(points) < 6:
         return
-    with np.errstate(over="ignore", invalid="ignore"):
-        path = np.linalg.norm(np.diff(points, axis=0), axis=1).sum()
-        extent = np.linalg.norm(np.ptp(points, axis=0))
-        axes = np.sqrt(np.maximum(np.linalg.eigvalsh(np.cov(points.T / (extent or 1.0))), 0.0))
+    path = np.linalg.norm(np.diff(points, axis=0), axis=1).sum()
+    extent = np.linalg.norm(np.ptp(points, axis=0))
+    axes = np.sqrt(np.maximum(np.linalg.eigvalsh(np.cov(points.T)), 0.0))
     if path > 1.5 * extent and axes[0] > 0.05 * axes[1]:
         raise source.error(
             f"the only shape holds {len(points)} points that do not follow one line",

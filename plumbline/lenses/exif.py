@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import struct
 import warnings
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +18,8 @@ _MAKE, _MODEL, _ORIENTATION, _EXIF_IFD = 0x010F, 0x0110, 0x0112, 0x8769
 _FOCAL, _FOCAL_35MM, _LENS_MAKE, _LENS_MODEL = 0x920A, 0xA405, 0xA433, 0xA434
 _WIDTH, _X_RESOLUTION, _Y_RESOLUTION, _UNIT = 0xA002, 0xA20E, 0xA20F, 0xA210
 _HEIGHT = 0xA003
+_SOFTWARE, _PROCESSING, _HISTORY = 0x0131, 0x000B, 0x9213
+_PROFILE = re.compile(rb"LensProfileEnable\s*(?:=\s*[\"']|>)\s*1\b")
 _MM_PER_UNIT = {2: 25.4, 3: 10.0, 4: 1.0}
 
 
@@ -28,12 +32,31 @@ class PhotoFacts:
         facts: Camera, lens, focal length and crop factor, as far as EXIF knows.
         turned: Whether the orientation exchanges width and height.
         notes: What to be aware of, in plain sentences.
+        name: Its file name.
+        maker: Maker of the camera, as EXIF has it.
+        model: Model of the camera, as EXIF has it.
+        orientation: EXIF's orientation, 1 to 8; 1 is upright as stored.
+        exif_size: Width and height as stored that EXIF tells of; None where it is silent.
+        history: What programs wrote of themselves, joined; may be empty.
+        profile_applied: Whether XMP says that a lens profile was applied in developing.
     """
 
     size: tuple[int, int]
     facts: LensFacts
     turned: bool = False
     notes: tuple[str, ...] = ()
+    name: str = ""
+    maker: str = ""
+    model: str = ""
+    orientation: int = 1
+    exif_size: tuple[int, int] | None = None
+    history: str = ""
+    profile_applied: bool = False
+
+    @property
+    def stored_size(self) -> tuple[int, int]:
+        """Width and height as stored, the EXIF orientation not applied."""
+        return self.size[::-1] if self.turned else self.size
 
 
 def read_photo(path: str | Path) -> PhotoFacts:
@@ -46,19 +69,36 @@ def read_photo(path: str | Path) -> PhotoFacts:
 
     hint = "give a JPEG, TIFF, PNG or WebP with --photo, or the size alone with --size WIDTHxHEIGHT"
     try:
+        if not Path(path).is_file() and Path(path).exists():
+            raise ReadError("this is no file", path=path, hint=hint)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             with Image.open(path) as image:
                 width, height = image.size
                 exif = image.getexif()
                 tags = dict(exif) | dict(exif.get_ifd(_EXIF_IFD))
+                packet = image.info.get("xmp") or b""
     except FileNotFoundError:
-        raise ReadError("there is no such photo", path=path) from None
-    except (UnidentifiedImageError, Image.DecompressionBombError):
+        raise ReadError("there is no such photo", path=path, hint=hint) from None
+    except UnidentifiedImageError:
         raise ReadError("this is no picture that can be read", path=path, hint=hint) from None
-    except (OSError, ValueError, SyntaxError, KeyError, TypeError, EOFError) as error:
-        raise ReadError(f"the photo cannot be read: {error}", path=path, hint=hint) from None
-    turned = tags.get(_ORIENTATION) in (5, 6, 7, 8)
+    except Image.DecompressionBombError:
+        raise ReadError(
+            "this picture claims to have more pixels than any camera", path=path, hint=hint
+        ) from None
+    except (
+        OSError,
+        ValueError,
+        SyntaxError,
+        LookupError,
+        TypeError,
+        EOFError,
+        struct.error,
+    ) as error:
+        reason = (error.strerror if isinstance(error, OSError) else None) or error
+        raise ReadError(f"the photo cannot be read: {reason}", path=path, hint=hint) from None
+    orientation = int(_positive(tags, _ORIENTATION) or 1)
+    turned = orientation in (5, 6, 7, 8)
     notes: list[str] = []
     if turned:
         width, height = height, width
@@ -66,35 +106,55 @@ def read_photo(path: str | Path) -> PhotoFacts:
             f"{Path(path).name} is stored sideways (EXIF orientation); its picks are taken in the "
             f"upright {width}x{height} picture"
         )
-    return PhotoFacts((width, height), _facts(tags, notes), turned, tuple(notes))
+    return PhotoFacts(
+        (width, height),
+        _facts(tags),
+        turned,
+        tuple(notes),
+        name=Path(path).name,
+        maker=_text(tags, _MAKE),
+        model=_text(tags, _MODEL),
+        orientation=orientation if orientation in range(1, 9) else 1,
+        exif_size=_exif_size(tags),
+        history="; ".join(
+            filter(None, (_text(tags, t) for t in (_SOFTWARE, _PROCESSING, _HISTORY)))
+        ),
+        profile_applied=isinstance(packet, bytes) and _PROFILE.search(packet) is not None,
+    )
 
 
-def _facts(tags: dict[int, Any], notes: list[str]) -> LensFacts:
+def _exif_size(tags: dict[int, Any]) -> tuple[int, int] | None:
+    width, height = _positive(tags, _WIDTH), _positive(tags, _HEIGHT)
+    return (int(width), int(height)) if width and height else None
+
+
+def _facts(tags: dict[int, Any]) -> LensFacts:
     make, camera = _text(tags, _MAKE), _text(tags, _MODEL)
     focal_mm = _positive(tags, _FOCAL)
+    crop_factor, crop_factor_error = _crop_factor(tags, focal_mm)
     return LensFacts(
         maker=_text(tags, _LENS_MAKE) or make,
         model=_text(tags, _LENS_MODEL),
         camera=camera if not make or camera.startswith(make) else f"{make} {camera}".strip(),
         focal_mm=focal_mm,
-        crop_factor=_crop_factor(tags, focal_mm, notes),
+        crop_factor=crop_factor,
+        crop_factor_error=crop_factor_error,
     )
 
 
-def _crop_factor(tags: dict[int, Any], focal_mm: float | None, notes: list[str]) -> float | None:
-    """From the size of the sensor where EXIF tells it, else from the 35-mm equivalent."""
+def _crop_factor(tags: dict[int, Any], focal_mm: float | None) -> tuple[float | None, float | None]:
+    """From the size of the sensor where EXIF tells it, else from the 35-mm equivalent.
+
+    The equivalent is rounded to whole millimetres: that error comes with it.
+    """
     equivalent = _positive(tags, _FOCAL_35MM)
     by_focal = equivalent / focal_mm if equivalent and focal_mm else None
     by_sensor = _sensor_crop(tags)
     if by_sensor and (by_focal is None or abs(by_sensor / by_focal - 1) < 0.06):
-        return by_sensor
-    if by_focal is not None and equivalent is not None:
-        doubt = 50 / equivalent
-        notes.append(
-            f"the crop factor {by_focal:.4g} is EXIF's 35-mm equivalent over the focal length, good "
-            f"to {doubt:.1f} % (--crop-factor takes a better one)"
-        )
-    return by_focal
+        return by_sensor, None
+    if by_focal is None or equivalent is None:
+        return None, None
+    return by_focal, 0.5 / equivalent
 
 
 def _sensor_crop(tags: dict[int, Any]) -> float | None:

@@ -92,7 +92,8 @@ def invert(model: Model, c: Any, points: Array, reach: float) -> Array:
     target = radius(x, y)
     limit = first_fold(model, c, reach)
     top = np.float64(reach if limit is None else limit)
-    lost = target > top * model.factor(top, c)
+    with np.errstate(divide="ignore"):  # the division model's pole may be hit exactly
+        lost = target > top * model.factor(top, c)
     r = _inverse_radius(model, c, target, np.minimum(target, top), top)
     ratio = np.where(target > 0, r / np.where(target > 0, target, 1.0), 1.0)
     ratio = np.where(lost, np.nan, ratio)

@@ -11,15 +11,25 @@ from rich.markup import escape
 from rich.table import Table
 
 from plumbline.calibration import Calibration
+from plumbline.errors import printable
 from plumbline.models import CENTRE, Model
 
 _MOST_LINES = 24
+_LEAST_WIDTH = 80
 _KINDS = {
     "barrel": "Barrel distortion",
     "pincushion": "Pincushion distortion",
     "wavy": "Wavy (moustache) distortion",
     "none": "No distortion to speak of",
 }
+
+
+class WideConsole(Console):
+    """A console at least 80 columns wide: a narrower terminal wraps lines and loses no digit."""
+
+    def __init__(self, *, stderr: bool = False) -> None:
+        super().__init__(stderr=stderr)
+        self.width = max(self.width, _LEAST_WIDTH)
 
 
 def print_summary(
@@ -31,10 +41,11 @@ def print_summary(
     quiet: bool = False,
 ) -> None:
     """Print what was found, for every lens, and which files were written."""
+    told: set[str] = set()
     for index, made in enumerate(calibrations):
         if len(calibrations) > 1:
             console.print(
-                f"{'' if index == 0 or quiet else chr(10)}[bold]{escape(_title(made))}[/]"
+                f"{'' if index == 0 or quiet else chr(10)}[bold]{_plain(_title(made))}[/]"
             )
         console.print(f"[bold]{finding_sentence(made)}[/]", highlight=False, soft_wrap=True)
         if quiet:
@@ -42,10 +53,16 @@ def print_summary(
         console.print(coefficients_table(made))
         console.print(_fit_sentence(made), highlight=False, soft_wrap=True)
         console.print(lines_table(made, everything=verbose))
-        for note in made.notes:
-            console.print(f"• {escape(note)}", style="yellow", highlight=False, soft_wrap=True)
+        for note in [note for note in made.notes if note not in told]:
+            told.add(note)
+            console.print(f"• {_plain(note)}", style="yellow", highlight=False, soft_wrap=True)
     for path in written:
-        console.print(f"Wrote {escape(str(path))}", highlight=False, soft_wrap=True)
+        console.print(f"Wrote {_plain(str(path))}", highlight=False, soft_wrap=True)
+
+
+def _plain(text: str) -> str:
+    """Text from a file, without effect on the terminal."""
+    return escape(printable(text))
 
 
 def finding_sentence(made: Calibration) -> str:
@@ -98,9 +115,9 @@ def lines_table(made: Calibration, *, everything: bool = False) -> Table:
         table.add_column(heading, justify="right")
     for line in shown:
         photo = made.observations.photos[line.photo]
-        names = [escape(line.label)]
+        names = [_plain(line.label)]
         if several:
-            names.append(escape(photo.name or str(photo.number)))
+            names.append(_plain(photo.name or str(photo.number)))
         numbers = (line.rms_before_px, line.rms_after_px, line.largest_after_px)
         table.add_row(*names, str(line.n_points), *(f"{number:.2f} px" for number in numbers))
     return table

@@ -1,0 +1,73 @@
+"""Levenberg–Marquardt that converges to the precision of the numbers.
+
+optimistix's own accepts a step if it lowers the sum of squares. Near the minimum the sum stops
+changing at the square root of the precision, and steps that are right are refused from there on.
+The search here takes a step that is too small for the sum to judge, so that the last steps are
+those of Gauss and Newton.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import lineax as lx
+import optimistix as optx
+
+FunctionInfo = optx.FunctionInfo
+
+_FIRST_STEP_SIZE = 1e3
+_UNJUDGEABLE = 1e-12
+
+
+class PreciseTrustRegion(optx.AbstractSearch[Any, Any, Any, Any]):
+    """The classical trust region, but for steps below the rounding of the sum of squares.
+
+    The constants are those of N. Gould et al., "Sensitivity of trust-region algorithms to
+    their parameters", 2005. The state is the step size, the inverse of the damping.
+    """
+
+    def init(self, y: Any, f_info_struct: Any) -> jax.Array:  # noqa: ARG002
+        """Start with little damping: the staged start is close."""
+        return jnp.array(_FIRST_STEP_SIZE)
+
+    def step(
+        self,
+        first_step: jax.Array,
+        y: jax.Array,
+        y_eval: jax.Array,
+        f_info: Any,
+        f_eval_info: Any,
+        state: jax.Array,
+    ) -> tuple[jax.Array, jax.Array, optx.RESULTS, jax.Array]:
+        """Judge the step from `y` to `y_eval`, and choose the next step size."""
+        moved = f_info.jac.mv(y_eval - y) + f_info.residual
+        before, after = f_info.as_min(), f_eval_info.as_min()
+        predicted = 0.5 * jnp.sum(moved**2) - before
+        small = jnp.abs(predicted) <= _UNJUDGEABLE * before
+        accept = (after - before <= 0.01 * predicted) | small | first_step
+        good = ((after - before < 0.99 * predicted) | small) & ~first_step
+        size = state * jnp.where(good, 3.5, jnp.where(accept, 1.0, 0.25))
+        return size, accept, optx.RESULTS.successful, size
+
+
+def _silent(**_: Any) -> None:
+    """Report nothing."""
+
+
+class PreciseLevenbergMarquardt(optx.AbstractGaussNewton[Any, Any, Any]):
+    """Levenberg–Marquardt (D. Marquardt 1963) with `PreciseTrustRegion`.
+
+    Attributes:
+        rtol: Relative tolerance on coefficients and residuals.
+        atol: Absolute tolerance on them.
+    """
+
+    rtol: float
+    atol: float
+    norm: Callable[[Any], Any] = optx.max_norm
+    descent: Any = optx.DampedNewtonDescent(linear_solver=lx.Normal(lx.Cholesky()))
+    search: Any = PreciseTrustRegion()
+    verbose: Callable[..., None] = _silent

@@ -1,0 +1,133 @@
+"""Compiled programs: made once for a model and a shape, and kept on disk.
+
+A fit takes milliseconds; tracing its program takes half a second and compiling it a few. The
+traced program is therefore kept in the user's cache folder (as `jax.export` writes it), and what
+XLA compiles from it in JAX's own persistent cache beside it. Nothing depends on either: a cache
+that is absent, broken, stale or cannot be written is done without, and the program is made anew.
+`PLUMBLINE_CACHE_DIR` names another folder.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import os
+from collections.abc import Callable
+from functools import cache, partial
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import jax
+from jax import export
+from platformdirs import user_cache_path
+
+from plumbline.errors import WriteError
+from plumbline.files import write_atomically
+from plumbline.fit.blocks import Block
+from plumbline.fit.task import EMPTY_TASK, Residuals, Solution, Task
+from plumbline.models.base import Model
+
+_DISTRIBUTIONS = ("jax", "jaxlib", "optimistix", "equinox", "lineax")
+_DIGEST_BYTES = 32
+
+for _tuple in (Block, Residuals, Task, Solution):
+    export.register_namedtuple_serialization(_tuple, serialized_name=f"plumbline.{_tuple.__name__}")
+
+
+def program(model: Model, task: Task, batch: int | None) -> Callable[[Task], Solution]:
+    """The compiled fit for tasks like this one.
+
+    Args:
+        model: The distortion model.
+        task: A task of the shape; with a leading axis of `batch` problems unless that is None.
+        batch: How many problems the program takes at once; None for one without that axis.
+
+    Call it, and its result, with 64-bit numbers enabled (`jax.enable_x64`).
+    """
+    shapes = tuple((leaf.shape, str(leaf.dtype)) for leaf in jax.tree.leaves(task))
+    return _program(model, shapes, batch)
+
+
+@cache
+def _program(
+    model: Model, shapes: tuple[tuple[tuple[int, ...], str], ...], batch: int | None
+) -> Callable[[Task], Solution]:
+    folder = usable_folder()
+    name = f"{_key(model, shapes, batch)}.program"
+    exported = None
+    if folder is not None:
+        _keep_compiled(folder)
+        exported = _loaded(folder / name)
+    if exported is None:
+        exported = _made(model, shapes, batch)
+        if folder is not None:
+            _save(folder / name, exported)
+    return jax.jit(exported.call)
+
+
+def _made(
+    model: Model, shapes: tuple[tuple[tuple[int, ...], str], ...], batch: int | None
+) -> export.Exported:
+    from plumbline.fit.minimise import minimise
+
+    one = partial(minimise, model)
+    leaves = [jax.ShapeDtypeStruct(shape, dtype) for shape, dtype in shapes]
+    task = jax.tree.unflatten(jax.tree.structure(EMPTY_TASK), leaves)
+    return export.export(jax.jit(one if batch is None else jax.vmap(one)))(task)
+
+
+def cache_folder() -> Path:
+    """Where programs are kept."""
+    chosen = os.environ.get("PLUMBLINE_CACHE_DIR")
+    return Path(chosen) if chosen else user_cache_path("plumbline", appauthor=False)
+
+
+def usable_folder() -> Path | None:
+    """The cache folder, made if need be; None if it cannot be written."""
+    folder = cache_folder()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return None
+    return folder if os.access(folder, os.W_OK | os.X_OK) else None
+
+
+def _keep_compiled(folder: Path) -> None:
+    """Let JAX keep what it compiles there, unless the user has it kept elsewhere."""
+    if jax.config.values["jax_compilation_cache_dir"] is None:
+        jax.config.update("jax_compilation_cache_dir", str(folder))
+        jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.1)
+
+
+def _key(model: Model, shapes: Any, batch: int | None) -> str:
+    """Stands for everything that the traced program depends on."""
+    versions = [version(name) for name in _DISTRIBUTIONS]
+    parts = (model.label, shapes, batch, versions, jax.default_backend(), _sources())
+    return hashlib.sha256(repr(parts).encode()).hexdigest()
+
+
+@cache
+def _sources() -> str:
+    """A digest of the code that is traced."""
+    package = Path(__file__).parents[1]
+    files = sorted([*package.glob("fit/*.py"), *package.glob("models/*.py")])
+    return hashlib.sha256(b"\0".join(file.read_bytes() for file in files)).hexdigest()
+
+
+def _save(path: Path, exported: export.Exported) -> None:
+    content = bytes(exported.serialize())
+    with contextlib.suppress(WriteError):
+        write_atomically({path: hashlib.sha256(content).digest() + content})
+
+
+def _loaded(path: Path) -> export.Exported | None:
+    """A kept program, if it is there and whole."""
+    try:
+        kept = path.read_bytes()
+    except OSError:
+        return None
+    digest, content = kept[:_DIGEST_BYTES], kept[_DIGEST_BYTES:]
+    if hashlib.sha256(content).digest() != digest:
+        return None
+    return export.deserialize(bytearray(content))

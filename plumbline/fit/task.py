@@ -1,0 +1,71 @@
+"""What goes into a compiled fit and what comes out of it, as plain arrays."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from plumbline.fit.blocks import AnyArray, Block
+
+
+class Residuals(NamedTuple):
+    """Residuals of a block in pixels, 0 for padding; shape (rows, width) each.
+
+    Attributes:
+        image: Distance in the photograph.
+        corrected: Distance in the corrected photograph.
+        determinant: Local area of the corrected photo over that of the photograph.
+        excess: How far beyond the fold of the model a point lies; 0 for all good points.
+    """
+
+    image: AnyArray
+    corrected: AnyArray
+    determinant: AnyArray
+    excess: AnyArray
+
+
+class Task(NamedTuple):
+    """One fit, as arrays.
+
+    Attributes:
+        block: The points.
+        start: Start and held values, the distortion centre last and normalised, (k + 2,).
+        free: Which coefficients are free, (k + 2,).
+        staged: Whether free coefficients are found from nothing; else `start` is taken.
+        image: Whether the residual is that in the photograph, else in the corrected one.
+        unit_px: Square pixels to a normalised radius of 1.
+        gauge_radius: Normalised radius at which the model's scale is 1.
+        corner: Normalised radius of the photo's corner.
+    """
+
+    block: Block
+    start: AnyArray
+    free: AnyArray
+    staged: AnyArray
+    image: AnyArray
+    unit_px: AnyArray
+    gauge_radius: AnyArray
+    corner: AnyArray
+
+
+class Solution(NamedTuple):
+    """What a fit found; arrays as in `Task` and `Residuals`.
+
+    Attributes:
+        coefficients: Fitted and held values, (k + 2,).
+        residuals: Residuals at the solution.
+        jacobian: Derivative of the fitted kind of residual by the coefficients,
+            (rows, width, k + 2), in pixels; 0 for held coefficients.
+        last_step: The largest change of a coefficient that one more Gauss–Newton step asks
+            for; close to 0 at a minimum.
+        steps: Steps the solver took.
+    """
+
+    coefficients: AnyArray
+    residuals: Residuals
+    jacobian: AnyArray
+    last_step: AnyArray
+    steps: AnyArray
+
+
+EMPTY_TASK = Task(Block(0, 0, 0), 0, 0, 0, 0, 0, 0, 0)
+"""Only its structure counts."""

@@ -1,0 +1,102 @@
+"""A distortion model laid over one photograph: the two maps of a `Correction`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from plumbline.errors import FoldedError
+from plumbline.frame import Array, Frame
+from plumbline.models import Model
+from plumbline.models.inverse import REACH, invert
+
+Turn = tuple[tuple[int, int], tuple[int, int]]
+
+UPRIGHT: Turn = ((1, 0), (0, 1))
+TURNS: dict[int, Turn] = {
+    1: UPRIGHT,
+    2: ((-1, 0), (0, 1)),
+    3: ((-1, 0), (0, -1)),
+    4: ((1, 0), (0, -1)),
+    5: ((0, 1), (1, 0)),
+    6: ((0, -1), (1, 0)),
+    7: ((0, -1), (-1, 0)),
+    8: ((0, 1), (-1, 0)),
+}
+"""For each EXIF orientation the matrix from the stored to the upright picture."""
+
+
+@dataclass(frozen=True)
+class PhotoLens:
+    """A distortion model over a photograph of any size, crop and orientation.
+
+    Attributes:
+        frame: The photograph as displayed.
+        model: The distortion model.
+        coefficients: Those of the model, in its order.
+        unit_px: Length of a normalised radius of 1 in square pixels.
+        observed_centre: Offset of the distortion centre from the image centre in units of
+            `unit_px`, on the observed side, in the sensor's orientation.
+        ideal_centre: The same on the ideal side.
+        turn: Matrix from the sensor's orientation to the displayed one.
+    """
+
+    frame: Frame
+    model: Model
+    coefficients: tuple[float, ...]
+    unit_px: float
+    observed_centre: tuple[float, float] = (0.0, 0.0)
+    ideal_centre: tuple[float, float] = (0.0, 0.0)
+    turn: Turn = UPRIGHT
+
+    def distort(self, ideal_px: ArrayLike) -> Array:
+        """Map ideal points to observed ones; pixels, shape (..., 2).
+
+        Raises:
+            FoldedError: the polynomial folds before it reaches a point.
+        """
+        return self._map(ideal_px, self.ideal_centre, self.observed_centre, "ideal to observed")
+
+    def undistort(self, observed_px: ArrayLike) -> Array:
+        """Map observed points to ideal ones; pixels, shape (..., 2).
+
+        Raises:
+            FoldedError: the polynomial folds before it reaches a point.
+        """
+        return self._map(observed_px, self.observed_centre, self.ideal_centre, "observed to ideal")
+
+    def _map(
+        self,
+        points_px: ArrayLike,
+        from_centre: tuple[float, float],
+        to_centre: tuple[float, float],
+        direction: str,
+    ) -> Array:
+        turn = np.array(self.turn, dtype=np.float64)
+        points = self.frame.normalise(points_px, self.unit_px)
+        if self.turn != UPRIGHT:
+            points = points @ turn
+        points = points - np.array(from_centre)
+        if self.model.direction == direction:
+            c = np.array(self.coefficients)
+            mapped = np.stack(self.model.apply(points[..., 0], points[..., 1], c), axis=-1)
+        else:
+            mapped = self._inverse(points)
+        mapped += np.array(to_centre)
+        if self.turn != UPRIGHT:
+            mapped = mapped @ turn.T
+        return self.frame.to_pixels(mapped, self.unit_px)
+
+    def _inverse(self, points: Array) -> Array:
+        corner = self.frame.corner_radius * self.frame.radius_px / self.unit_px
+        solved = invert(self.model, np.array(self.coefficients), points, REACH * corner)
+        lost = int(np.count_nonzero(np.isnan(solved[..., 0])))
+        if lost:
+            raise FoldedError(
+                f"the {self.model.label} polynomial of this lens folds before it reaches "
+                f"{lost:,} of the points",
+                hint="the lens values do not belong to this photo; take those of another lens",
+            )
+        return solved

@@ -1,0 +1,280 @@
+"""A lens at one focal length, free of any photo's pixels, and its application to a photo.
+
+Lengths are shares of the diagonal of the picture that the lens was calibrated in, so that a
+profile serves photos of any size from that camera. Another sensor sees another part of the same
+image circle: with the crop factors κ of the photo's camera and of the calibration's,
+
+    unit_px = unit · (diagonal of the whole photo in px) · κ_photo / κ_calibration
+
+which is LensFun's rule. Source: LensFun 0.3.4, `lfModifier::lfModifier`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from plumbline.errors import OptionError
+from plumbline.frame import Frame
+from plumbline.lenses.correction import Correction
+from plumbline.lenses.exif import PhotoFacts
+from plumbline.lenses.mapping import TURNS, UPRIGHT, PhotoLens, Turn
+from plumbline.lenses.request import LensRequest
+from plumbline.models import Model
+
+_SAME_SHAPE = 0.02
+_MERELY_RESIZED = 0.01
+_FAR = 0.1
+_NEAR = 0.005
+_CORRECTORS = ("plumbline", "ptlens", "dxo", "hugin", "nona", "lensfun")
+
+
+@dataclass(frozen=True)
+class LensProfile:
+    """A lens at one focal length.
+
+    Attributes:
+        description: What it is and where it was found, to follow "used: ".
+        model: The distortion model.
+        coefficients: Those of the model, in its order.
+        unit: Length of a normalised radius of 1, as a share of the picture's diagonal.
+        size: Width and height in pixels of the picture it was calibrated in, if known.
+        aspect: Width over height of that picture; None if its shape does not matter.
+        observed_centre: Offset of the distortion centre in units of `unit`, observed side.
+        ideal_centre: The same on the ideal side.
+        camera: The camera it was calibrated with; may be empty.
+        crop_factor: Of that camera.
+        photo_crop: Crop factor of the photo's camera, where the source knows it.
+        pixel_aspect: Width of one pixel over its height.
+        notes: What to warn of, in plain sentences.
+    """
+
+    description: str
+    model: Model
+    coefficients: tuple[float, ...]
+    unit: float
+    size: tuple[int, int] | None = None
+    aspect: float | None = None
+    observed_centre: tuple[float, float] = (0.0, 0.0)
+    ideal_centre: tuple[float, float] = (0.0, 0.0)
+    camera: str = ""
+    crop_factor: float | None = None
+    photo_crop: float | None = None
+    pixel_aspect: float = 1.0
+    notes: tuple[str, ...] = ()
+
+    def with_notes(self, *notes: str) -> LensProfile:
+        """The same profile with more notes."""
+        return replace(self, notes=(*self.notes, *(note for note in notes if note)))
+
+
+def correction(profile: LensProfile, photo: PhotoFacts, request: LensRequest) -> Correction:
+    """Lay a lens over a photo.
+
+    Raises:
+        OptionError: the photo is cropped, or of another shape than the lens's pictures, and the
+            request does not say how.
+    """
+    notes = [*_history(photo)]
+    whole = _whole_size(photo, profile, request, notes)
+    frame = Frame(*photo.size, profile.pixel_aspect)
+    diagonal_px = float(np.hypot(*Frame(*whole, profile.pixel_aspect).square_size))
+    _check_shape(profile, whole, request, notes)
+    unit_px = profile.unit * diagonal_px * _crop_ratio(profile, photo, request, notes)
+    mapped = PhotoLens(
+        frame,
+        profile.model,
+        profile.coefficients,
+        unit_px,
+        profile.observed_centre,
+        profile.ideal_centre,
+        _turn(profile, photo, notes),
+    )
+    return Correction(
+        mapped.distort,
+        mapped.undistort,
+        photo.size,
+        profile.description,
+        (*profile.notes, *notes),
+    )
+
+
+def clamp_focal(
+    focal_mm: float | None, range_mm: tuple[float, float], what: str
+) -> tuple[float, str]:
+    """The focal length to evaluate a lens at, and a note if it is not the photo's.
+
+    Args:
+        focal_mm: That of the photo, if known.
+        range_mm: Shortest and longest calibrated focal length.
+        what: The lens, for the sentences.
+
+    Raises:
+        OptionError: the photo's is not known and matters, or more than 10 % out of the range.
+    """
+    low, high = range_mm
+    calibrated = f"{low:g} mm" if low == high else f"{low:g} to {high:g} mm"
+    if focal_mm is None:
+        if low == high:
+            return low, f"the photo's focal length is not known: taken at {low:g} mm"
+        raise OptionError(
+            f"the photo does not tell its focal length, and {what} is calibrated at {calibrated}",
+            hint="give it with --focal",
+        )
+    nearest = min(max(focal_mm, low), high)
+    if not low * (1 - _FAR) <= focal_mm <= high * (1 + _FAR):
+        raise OptionError(
+            f"the photo was taken at {focal_mm:.4g} mm, more than 10 % out of the calibrated "
+            f"range of {what}, {calibrated}",
+            hint="calibrate the lens at this focal length, or give the right one with --focal",
+        )
+    if abs(focal_mm / nearest - 1) <= _NEAR:
+        return nearest, ""
+    return nearest, (
+        f"the photo was taken at {focal_mm:.4g} mm, out of the calibrated range {calibrated}: "
+        f"corrected as at {nearest:g} mm"
+    )
+
+
+def _history(photo: PhotoFacts) -> list[str]:
+    notes: list[str] = []
+    told = photo.history.lower()
+    if any(program in told for program in _CORRECTORS):
+        notes.append(
+            f"the photo's EXIF names {photo.history!r}: it may be corrected already, and a second "
+            "correction bends it the other way"
+        )
+    if photo.profile_applied:
+        notes.append(
+            "the photo was developed with a lens profile (XMP), so that it is corrected already"
+        )
+    if photo.in_camera:
+        notes.append(
+            f"the camera corrected the distortion itself ({photo.in_camera}): a second correction "
+            "bends the photo the other way"
+        )
+    return notes
+
+
+def _shape(size: tuple[float, float]) -> float:
+    return max(size) / min(size)
+
+
+def _whole_size(
+    photo: PhotoFacts, profile: LensProfile, request: LensRequest, notes: list[str]
+) -> tuple[int, int]:
+    """Size of the camera's whole picture at the photo's scale."""
+    if request.full_size is not None:
+        whole = request.full_size
+        if (whole[0] < whole[1]) != (photo.size[0] < photo.size[1]) and photo.size[0] != photo.size[
+            1
+        ]:
+            whole = whole[::-1]
+        if whole[0] < photo.size[0] or whole[1] < photo.size[1]:
+            raise OptionError(
+                f"the whole picture, {whole[0]}x{whole[1]}, is smaller than the photo, "
+                f"{photo.size[0]}x{photo.size[1]}",
+                hint="give --full-size as the picture was before the crop, at the photo's scale",
+            )
+        if whole != photo.size:
+            notes.append(
+                f"the photo is taken as the middle of a picture of {whole[0]}x{whole[1]} pixels"
+            )
+        return whole
+    told = photo.exif_size
+    if (
+        request.crop_factor is not None
+        or told is None
+        or photo.size in (told, told[::-1], profile.size)
+    ):
+        return photo.size
+    width, height = photo.size
+    if abs(_shape(told) / _shape(photo.size) - 1) <= max(_MERELY_RESIZED, 1 / min(photo.size)):
+        notes.append(
+            f"the photo was resized from {told[0]}x{told[1]} to {width}x{height}, says its EXIF: "
+            "taken as the whole picture"
+        )
+        return photo.size
+    raise OptionError(
+        f"the photo is {width}x{height}, but its EXIF tells of a picture of {told[0]}x{told[1]}: "
+        "it was cropped, and what part of the lens it shows is not known",
+        hint="give the size of the whole picture at the photo's scale with --full-size WxH (of the "
+        "photo itself if it is whole), or the crop factor of what is left with --crop-factor",
+    )
+
+
+def _check_shape(
+    profile: LensProfile, whole: tuple[int, int], request: LensRequest, notes: list[str]
+) -> None:
+    square = Frame(*whole, profile.pixel_aspect).square_size
+    if profile.aspect is None or request.crop_factor is not None:
+        return
+    expected = max(profile.aspect, 1 / profile.aspect)
+    if abs(_shape(square) / expected - 1) <= _SAME_SHAPE:
+        return
+    told = (
+        f"the photo's sides are as {_shape(square):.3g}:1, those of the pictures the lens was "
+        f"calibrated in as {expected:.3g}:1"
+    )
+    if profile.photo_crop is None:
+        raise OptionError(
+            told,
+            hint="if the photo is a crop, give the size of the whole picture with --full-size WxH, "
+            "or the crop factor of what is left with --crop-factor",
+        )
+    if request.full_size is None:
+        notes.append(
+            f"{told}: taken as the whole picture of a sensor with crop factor "
+            f"{profile.photo_crop:.4g} (--full-size if it is a crop)"
+        )
+
+
+def _crop_ratio(
+    profile: LensProfile, photo: PhotoFacts, request: LensRequest, notes: list[str]
+) -> float:
+    """Crop factor of the photo over that of the calibration."""
+    if request.crop_factor is not None and profile.crop_factor is None:
+        raise OptionError(
+            f"{profile.description} tells no crop factor that --crop-factor could be compared with",
+            hint="leave --crop-factor out, or give --full-size WxH",
+        )
+    given = request.crop_factor or profile.photo_crop
+    if given is not None and profile.crop_factor is not None:
+        return given / profile.crop_factor
+    own = (request.camera or photo.facts.camera).casefold()
+    if not own or not profile.camera or own == profile.camera.casefold():
+        return 1.0
+    if photo.facts.crop_factor and profile.crop_factor:
+        notes.append(
+            f"the lens was calibrated with {profile.camera}: scaled by the crop factors, "
+            f"{photo.facts.crop_factor:.4g} to {profile.crop_factor:.4g}"
+        )
+        return photo.facts.crop_factor / profile.crop_factor
+    notes.append(
+        f"the lens was calibrated with {profile.camera}, this photo taken with "
+        f"{request.camera or photo.facts.camera}: taken as sensors of one size (--crop-factor)"
+    )
+    return 1.0
+
+
+def _turn(profile: LensProfile, photo: PhotoFacts, notes: list[str]) -> Turn:
+    """How the calibration's picture lies in the displayed photo."""
+    round_about_the_middle = not (
+        any(profile.observed_centre) or any(profile.ideal_centre) or profile.model.tangential
+    )
+    if round_about_the_middle:
+        return UPRIGHT
+    wide = photo.size[0] >= photo.size[1]
+    was_wide = profile.aspect is None or profile.aspect >= 1
+    if wide == was_wide and not photo.turned:
+        return TURNS[photo.orientation]
+    if not was_wide and not wide:
+        return UPRIGHT
+    if photo.turned and was_wide:
+        return TURNS[photo.orientation]
+    notes.append(
+        "the photo stands the other way than the calibration's, and EXIF does not tell which side "
+        "was up: its distortion centre is taken as turned clockwise"
+    )
+    return TURNS[6]

@@ -1,0 +1,234 @@
+"""Whatever the bytes, a reader ends in observations or a `ReadError`, and recognising never fails.
+
+`PLUMBLINE_FUZZ_CASES` sets the number of mutated files; a few thousand by default.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import random
+import struct
+import zipfile
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from plumbline.errors import ReadError
+from plumbline.formats import csv, cvat, imagej, labelme, via, webplotdigitizer, winmorph
+from plumbline.formats.base import Format, ReadOptions, Source
+from plumbline.observations import Observations
+
+FORMATS = {
+    module.FORMAT.name: module.FORMAT
+    for module in (cvat, labelme, via, imagej, webplotdigitizer, winmorph, csv)
+}
+"""What is tested; a new format takes its place here and at least one file in SAMPLES."""
+
+X, Y = (10.5, 60.0, 172.5), (20.25, 21.5, 22.0)
+ROI = struct.pack(
+    ">4shBBhhhhH32xhh12x", b"Iout", 228, 5, 0, 20, 10, 24, 180, 3, 0, 128
+) + struct.pack(">6h6f64x", 0, 50, 162, 0, 1, 2, *X, *Y)
+"""A polyline of three points, big-endian, as `ij/io/RoiEncoder.java` lays it out."""
+
+
+def zipped(*entries: bytes) -> bytes:
+    whole = io.BytesIO()
+    with zipfile.ZipFile(whole, "w") as archive:
+        for number, content in enumerate(entries):
+            archive.writestr(f"{number}.roi", content)
+    return whole.getvalue()
+
+
+POLYLINE: dict[str, object] = {
+    "shape_attributes": {"name": "polyline", "all_points_x": [1, 2, 3], "all_points_y": [4, 5, 6]},
+    "region_attributes": {"line": "roof"},
+}
+SHAPES: list[object] = [
+    {"label": "l1", "points": [[1.5, 2], [3, 4], [5, 6]], "shape_type": "linestrip"},
+    {"label": "l2", "points": [[1, 2], [3, 4]], "shape_type": "polygon"},
+]
+SAMPLES: dict[str, list[bytes]] = {
+    "csv": [
+        b"line,x,y\nroof,10.5,20.5\nroof,11.25,120\n# next\nleft,5,7\n",
+        'photo;line;x;y\n"a b";ä_1;1,5;2\n"a b";ä_1;3;4,25\n'.encode(),
+        b"1 2\n3 4\n\n5 6\n",
+        "line\tx\ty\na\t1\t2\n".encode("utf-16"),
+    ],
+    "winmorph": [
+        b"  Shape1\n  a\n  b\n  0.1 0.2\n  0.2 0.21\n  0.3 0.2\n  Sets = 0\n"
+        b"Shape2\n\n\n0,1;0,2\n0,3;0,4\nx\n"
+    ],
+    "imagej": [
+        b" ,Area,X,Y,Group\n1,0,10.5,20.5,1\n2,0,5,7,2\n3,0,11,120,1\n",
+        b"10.5000\t20.5000\n11.2500\t120.0000\n",
+        ROI,
+        zipped(ROI, ROI),
+    ],
+    "webplotdigitizer": [b"roof,,left wall,\nX,Y,X,Y\n10.5,20.5,5,7\n120,21,5.5,80\n231,22,,\n"],
+    "labelme": [
+        json.dumps(
+            {"shapes": SHAPES, "imagePath": "a.jpg", "imageHeight": 3, "imageWidth": 4}
+        ).encode()
+    ],
+    "via": [
+        json.dumps(
+            {"_via_img_metadata": {"a9": {"filename": "a", "size": 9, "regions": [POLYLINE]}}}
+        ).encode(),
+        b"filename,file_size,region_shape_attributes,region_attributes\n"
+        b'a.jpg,9,"{""name"":""polyline"",""all_points_x"":[1,2],""all_points_y"":[3,4]}","{}"\n',
+    ],
+    "cvat": [
+        b'<?xml version="1.0" encoding="utf-8"?>\n<annotations><image name="a" width="9" '
+        b'height="8"><polyline label="l" points="1,2;3.5,4;5,6"/><box/></image></annotations>\n'
+    ],
+}
+OPTIONS = [
+    ReadOptions(),
+    ReadOptions((2000, 1000)),
+    ReadOptions((2000, 1000), (2, 2), "zigzag"),
+]
+GARBAGE = [
+    b"1e999", b"-1e308", b"9" * 5000, b"nan", b"Infinity", b"1_0", "١".encode(), b"\xff\xfe",
+    b"\x00", b'"', b"'", b",", b";", b"\t", b"\n", b"\r", b"#", b"<", b"&x;", b"<!DOCTYPE a>",
+    b"<![CDATA[", b"[" * 3000, b"{", b"}", b"null", b"true", b"-", b"0x10", b"PK\x03\x04", b"Iout",
+    b"\xed\xa0\x80", b"\\ud800", "\u2028".encode(), b"\x7f\xff\xff\xff", b"=", b"/>", b"X,Y",
+]  # fmt: skip
+
+
+def ends_well(each: Format, content: bytes, options: ReadOptions) -> None:
+    """Read the content and check that what comes out is whole."""
+    source = Source(f"hostile{each.suffixes[0]}", content)
+    assert each.recognises(source) in {True, False}
+    try:
+        observations = each.read(source, options)
+    except ReadError as error:
+        refusal = error
+    else:
+        whole(observations)
+        return
+    assert refusal.message
+    assert refusal.line is None or refusal.line >= 1
+
+
+def whole(observations: Observations) -> None:
+    labels = {(line.photo, line.label) for line in observations.lines}
+    assert len(labels) == len(observations.lines) > 0
+    for line in observations.lines:
+        assert 0 <= line.photo < len(observations.photos)
+        assert line.points_px.shape == (len(line.points_px), 2)
+        assert line.points_px.dtype == np.float64
+        assert np.isfinite(line.points_px).all()
+        assert line.rows is None or line.rows.shape == line.points_px.shape[:1]
+        assert line.label.isprintable()
+
+
+def flip(rng: random.Random, content: bytes) -> bytes:
+    at = rng.randrange(len(content))
+    return content[:at] + bytes([content[at] ^ 1 << rng.randrange(8)]) + content[at + 1 :]
+
+
+def delete(rng: random.Random, content: bytes) -> bytes:
+    at = rng.randrange(len(content))
+    return content[:at] + content[at + rng.randint(1, 8) :]
+
+
+def duplicate(rng: random.Random, content: bytes) -> bytes:
+    start = rng.randrange(len(content))
+    end = start + rng.randint(1, 40)
+    return content[:end] + content[start:end] * rng.randint(1, 3) + content[end:]
+
+
+def truncate(rng: random.Random, content: bytes) -> bytes:
+    return content[: rng.randrange(len(content))]
+
+
+def insert(rng: random.Random, content: bytes) -> bytes:
+    at = rng.randrange(len(content))
+    return content[:at] + rng.choice(GARBAGE) + content[at + rng.choice([0, 0, 1, 4]) :]
+
+
+def scramble(rng: random.Random, content: bytes) -> bytes:
+    at = rng.randrange(len(content))
+    return content[:at] + rng.randbytes(rng.randint(1, 6)) + content[at:]
+
+
+MUTATIONS: list[Callable[[random.Random, bytes], bytes]] = [
+    flip, delete, duplicate, truncate, insert, insert, scramble,
+]  # fmt: skip
+CASES = int(os.environ.get("PLUMBLINE_FUZZ_CASES", "4200"))
+
+
+@pytest.mark.timeout(max(300, CASES // 20))
+@pytest.mark.parametrize("name", SAMPLES)
+def test_mutated_files(name: str) -> None:
+    rng = random.Random(f"plumbline {name}")
+    for _ in range(CASES // len(SAMPLES)):
+        content = rng.choice(SAMPLES[name])
+        for _ in range(rng.choice([1, 1, 2, 5])):
+            content = rng.choice(MUTATIONS)(rng, content) if content else content
+        options = rng.choice(OPTIONS)
+        try:
+            ends_well(FORMATS[name], content, options)
+        except Exception as error:
+            error.add_note(f"{name}: {content!r} with {options}")
+            raise
+
+
+@pytest.mark.parametrize("name", FORMATS)
+@given(content=st.one_of(st.binary(max_size=300), st.text(max_size=300).map(str.encode)))
+@example(content=b"")
+@example(content=b"\xff\xfe")
+@example(content=b"PK\x03\x04.roi")
+@example(content=b"Iout" + b"\xff" * 200)
+@example(content=b"\n" * 300)
+def test_arbitrary_bytes(name: str, content: bytes) -> None:
+    ends_well(FORMATS[name], content, OPTIONS[1])
+
+
+@pytest.mark.parametrize("name", FORMATS)
+def test_every_sample_is_read_and_every_foreign_one_ends_well(name: str) -> None:
+    for content in SAMPLES[name]:
+        whole(FORMATS[name].read(Source("sample", content), OPTIONS[1]))
+    for others in SAMPLES.values():
+        for content in others:
+            ends_well(FORMATS[name], content, OPTIONS[1])
+
+
+@pytest.mark.parametrize("name", SAMPLES)
+def test_only_one_format_claims_a_sample(name: str) -> None:
+    for content in SAMPLES[name]:
+        claims = [each.name for each in FORMATS.values() if each.recognises(Source("x", content))]
+        # Two columns of numbers are the same in either; the plain table takes them.
+        expected = ["csv"] if content[:4] == b"10.5" else [name]
+        assert claims == expected
+
+
+SIZE = 2**19
+LARGE = {
+    "zeros": b"\0",
+    "line ends": b"\n",
+    "one long line": b"a",
+    "numbers on one line": b"12,",
+    "short rows": b"1,2\n",
+    "short words": b"1 2 3 4\n",
+    "quotes": b'"\n",',
+    "lists": b"[],",
+    "elements": b"<a/>",
+    "noise": bytes(range(1, 256)),
+}
+OPENINGS = [b"", b'{"shapes": [', b"<annotations>", b"Shape1\n", b"a,,\nX,Y\n", b" ,X,Y,Group\n"]
+
+
+@pytest.mark.timeout(120)
+@pytest.mark.parametrize("kind", LARGE)
+def test_large_files_are_refused_or_read(kind: str) -> None:
+    unit = LARGE[kind]
+    for opening in OPENINGS:
+        content = opening + unit * (SIZE // len(unit))
+        for each in FORMATS.values():
+            ends_well(each, content, OPTIONS[1])

@@ -1,0 +1,323 @@
+"""The result as JSON: exact there and back, and damaged in every way."""
+
+from __future__ import annotations
+
+import copy
+import json
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import plumbline
+from plumbline.calibration import Calibration
+from plumbline.errors import ReadError
+from plumbline.frame import Frame
+from plumbline.lens import Lens
+from plumbline.models import get_model
+from plumbline.observations import LensFacts, Line, Observations, Origin, Photo
+from plumbline.result_json import from_json, to_json
+
+THIRD = 1 / 3
+
+
+def calibration(free: tuple[str, ...] = ("a", "b"), label: str = "t3") -> Calibration:
+    """A calibration of two lines, made up number by number."""
+    points = np.array([[0.1, 0.2], [100 * THIRD, 50.5], [99, 79]])
+    lines = (Line(points, 0, label), Line(points + np.array([0, 0.25]), 1, "zwei, „größer“"))
+    photos = (Photo((100, 80), "a.jpg", 0, 1.0, 2), Photo((100, 80), "ü b.jpg", 0, 1.0, 5))
+    facts = LensFacts(
+        maker="Sigma",
+        model="18-35",
+        camera="Canon EOS",
+        mount="EF",
+        focal_mm=18.1,
+        crop_factor=1.6,
+        crop_factor_error=0.02,
+        hfov_deg=60.1,
+        stored={"a": THIRD, "b": -0.1},
+        requested=("a", "b"),
+    )
+    observations = Observations(
+        photos, lines, (facts,), (), (Origin("folder/x.pto", "pto", b"i w100 h80"),)
+    )
+    values = {"a": 0.1 + 0.2, "b": -THIRD * 0.1, "c": 5e-324, "d": 1.5, "e": -0.0}
+    size = len(free)
+    return Calibration(
+        observations=observations,
+        lens=Lens(get_model("ptlens"), Frame(100, 80), values, 87.25),
+        free=free,
+        start=dict.fromkeys(values, 0.0) | {"d": 1.5},
+        residual="corrected",
+        covariance=np.eye(size) * 1e-5 + 1e-6 * THIRD,
+        sigma_px=0.1,
+        dof=1,
+        residuals_px=(np.array([0.1, -0.2, THIRD]), np.array([1e-17, 0, 2])),
+        before_px=(np.array([3.0, -5.5, 2.5]), np.array([1.0, 2, -3])),
+        rms_corrected_px=0.7,
+        converged=False,
+        reason="the fit stopped",
+        notes=("first note", "zweite „Notiz“"),
+    )
+
+
+def test_the_documented_names() -> None:
+    found = json.loads(to_json([calibration()]))
+    assert set(found) == {
+        "format",
+        "format_version",
+        "plumbline",
+        "model",
+        "free",
+        "residual",
+        "coefficients",
+        "standard_errors",
+        "start",
+        "covariance",
+        "sigma_px",
+        "dof",
+        "rms_before_px",
+        "rms_after_px",
+        "rms_corrected_px",
+        "largest_before_px",
+        "largest_after_px",
+        "converged",
+        "reason",
+        "finding",
+        "focal_px",
+        "notes",
+        "lines",
+        "observations",
+    }
+    assert (found["format"], found["format_version"]) == ("plumbline calibration", 1)
+    assert found["coefficients"]["a"] == 0.1 + 0.2
+    assert found["standard_errors"] == {
+        name: pytest.approx((1e-5 + 1e-6 / 3) ** 0.5, rel=1e-14) for name in "ab"
+    }
+    assert found["rms_before_px"] == pytest.approx(((9 + 30.25 + 6.25 + 1 + 4 + 9) / 6) ** 0.5)
+    assert (found["largest_before_px"], found["largest_after_px"]) == (5.5, 2)
+    assert [line["label"] for line in found["lines"]] == ["t3", "zwei, „größer“"]
+    assert set(found["finding"]) == {"kind", "percent", "corner_px"}
+    assert set(found["observations"]) == {"lens", "photos", "lines", "origins"}
+
+
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_there_and_back_is_exact(count: int, tmp_path: Path) -> None:
+    made = [calibration(free) for free in (("a", "b"), ("b",), ("a", "c", "e"))[:count]]
+    text = to_json(made)
+    back = from_json(text, "x.json")
+    assert len(back) == count
+    assert to_json(back) == text
+    for old, new in zip(made, back, strict=True):
+        assert new.coefficients == old.coefficients
+        assert new.lens == old.lens
+        assert new.observations.lenses == old.observations.lenses
+        assert new.observations.photos == old.observations.photos
+        assert (new.free, new.start, new.residual) == (old.free, old.start, old.residual)
+        assert new.covariance.tolist() == old.covariance.tolist()
+        assert [v.tolist() for v in new.residuals_px] == [v.tolist() for v in old.residuals_px]
+        assert [v.tolist() for v in new.before_px] == [v.tolist() for v in old.before_px]
+        assert [(o.path, o.format) for o in new.observations.origins] == [("folder/x.pto", "pto")]
+        for one, two in zip(old.observations.lines, new.observations.lines, strict=True):
+            assert one.points_px.tolist() == two.points_px.tolist()
+            assert (one.label, one.photo) == (two.label, two.photo)
+        assert (new.notes, new.reason, new.converged) == (old.notes, old.reason, old.converged)
+        assert (new.sigma_px, new.dof) == (old.sigma_px, old.dof)
+    path = plumbline.write(made, tmp_path / "x.json")
+    assert plumbline.read_calibrations(path)[0].coefficients == made[0].coefficients
+
+
+def test_one_calibration_of_a_file_of_several_is_not_chosen_silently(tmp_path: Path) -> None:
+    path = plumbline.write([calibration(), calibration()], tmp_path / "x.json")
+    with pytest.raises(ReadError, match="holds 2 calibrations") as caught:
+        plumbline.read_calibration(path)
+    assert "read_calibrations" in caught.value.hint
+    one = plumbline.write(calibration(), tmp_path / "y.json")
+    assert plumbline.read_calibration(one).model == "ptlens"
+
+
+def test_names_that_are_no_text_survive() -> None:
+    made = calibration(label="caf\udce9")
+    text = to_json([made])
+    assert text.encode("utf-8")
+    assert from_json(text, "x")[0].observations.lines[0].label == "caf\udce9"
+
+
+# --- damage ---------------------------------------------------------------------------------
+
+WHOLE: dict[str, Any] = json.loads(to_json([calibration()]))
+SEVERAL: dict[str, Any] = json.loads(to_json([calibration(), calibration(("c",))]))
+# Derived from the rest, and there only for other programs to read.
+DERIVED = {
+    "plumbline",
+    "standard_errors",
+    "rms_before_px",
+    "rms_after_px",
+    "largest_before_px",
+    "largest_after_px",
+    "finding",
+    "lines",
+}
+
+
+def places(node: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+    """Paths to every value of a JSON text."""
+    if isinstance(node, dict | list):
+        items = node.items() if isinstance(node, dict) else enumerate(node)
+        for key, value in items:
+            if path or key not in DERIVED:
+                yield (*path, key)
+                yield from places(value, (*path, key))
+
+
+def parent(whole: Any, path: tuple[Any, ...]) -> Any:
+    for key in path[:-1]:
+        whole = whole[key]
+    return whole
+
+
+def damaged(whole: Any) -> ReadError | None:
+    """The error that comes out, after everything that was read was also used."""
+    try:
+        for made in from_json(json.dumps(whole), "x.json"):
+            assert made.lines
+            assert made.standard_errors.keys() == set(made.free)
+            assert made.finding
+            assert to_json([made])
+    except ReadError as error:
+        return error
+    return None
+
+
+REPLACEMENTS: list[Any] = [
+    None,
+    "",
+    "text",
+    -1,
+    0,
+    1e308,
+    10**400,
+    True,
+    [],
+    {},
+    [[]],
+    [None],
+    {"a": 1},
+    float("nan"),
+    float("inf"),
+]
+
+
+@pytest.mark.parametrize("path", list(places(WHOLE)), ids=lambda path: ".".join(map(str, path)))
+def test_every_value_deleted_or_replaced(path: tuple[Any, ...]) -> None:
+    whole = copy.deepcopy(WHOLE)
+    del parent(whole, path)[path[-1]]
+    error = damaged(whole)
+    if isinstance(path[-1], str) and "stored" not in path[:-1]:
+        assert error is not None
+    assert error is None or (error.message.startswith("x.json: ") and error.hint)
+    for value in REPLACEMENTS:
+        whole = copy.deepcopy(WHOLE)
+        parent(whole, path)[path[-1]] = value
+        error = damaged(whole)
+        assert error is None or (error.message.startswith("x.json: ") and error.hint)
+        if value != value or value == float("inf"):
+            assert error is not None
+
+
+@given(data=st.data())
+def test_several_values_replaced_at_once(data: st.DataObject) -> None:
+    whole = copy.deepcopy(data.draw(st.sampled_from([WHOLE, SEVERAL])))
+    for _ in range(data.draw(st.integers(1, 4))):
+        every = list(places(whole))
+        if not every:
+            break
+        path = data.draw(st.sampled_from(every))
+        value = data.draw(st.sampled_from(REPLACEMENTS))
+        parent(whole, path)[path[-1]] = copy.deepcopy(value)
+    error = damaged(whole)
+    assert error is None or error.hint
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("", "damaged"),
+        ("{", "damaged"),
+        ("[" * 100_000, "nested too deeply"),
+        ("[]", "no calibration written by plumbline"),
+        ("null", "no calibration written by plumbline"),
+        ('{"format": "other"}', "no calibration written by plumbline"),
+        ('{"format": "plumbline calibration"}', "another version"),
+        ('{"format": "plumbline calibration", "format_version": 2}', "another version"),
+        ('{"format": "plumbline calibration", "format_version": 1}', "lacks 'observations'"),
+        ('{"format": "plumbline calibration", "format_version": 1, "calibrations": 5}', "damaged"),
+        (
+            '{"format": "plumbline calibration", "format_version": 1, "calibrations": [5]}',
+            "damaged",
+        ),
+    ],
+)
+def test_other_texts(text: str, sentence: str) -> None:
+    with pytest.raises(ReadError, match=r"^x\.json: ") as caught:
+        from_json(text, "x.json")
+    assert sentence in caught.value.message
+    assert caught.value.hint
+
+
+def test_every_truncation() -> None:
+    text = to_json([calibration()]).rstrip()
+    for end in range(0, len(text), 7):
+        with pytest.raises(ReadError):
+            from_json(text[:end], "x.json")
+
+
+def change(path: str, value: Any) -> dict[str, Any]:
+    whole = copy.deepcopy(WHOLE)
+    keys: list[Any] = [int(key) if key.isdigit() else key for key in path.split(".")]
+    parent(whole, tuple(keys))[keys[-1]] = value
+    return whole
+
+
+@pytest.mark.parametrize(
+    ("path", "value"),
+    [
+        ("free", ["a"]),
+        ("free", ["a", "a"]),
+        ("free", ["a", "k1"]),
+        ("model", "nonsense"),
+        ("model", "poly3"),
+        ("residual", "none"),
+        ("converged", "false"),
+        ("covariance.0.0", -1.0),
+        ("start", {"a": 0.0}),
+        ("observations.lines.0.photo", 2),
+        ("observations.lines.0.photo", -1),
+        ("observations.lines.0.points_px", [[1, 1], [2, 2]]),
+        ("observations.lines.0.points_px", [[1, 1], [1, 1], [2, 2]]),
+        ("observations.lines.0.points_px.0", [-50, 0]),
+        ("observations.lines.0.residuals_px", [0.5, 0.5]),
+        ("observations.photos.0.size", [0, 80]),
+        ("observations.photos", []),
+    ],
+)
+def test_contradictions_are_found(path: str, value: Any) -> None:
+    error = damaged(change(path, value))
+    assert error is not None
+    assert "damaged" in error.message
+    assert error.hint
+
+
+def test_a_calibration_that_was_read_is_not_mixed_up_with_its_project(tmp_path: Path) -> None:
+    made = replace(calibration(), notes=())
+    path = plumbline.write(made, tmp_path / "x.json")
+    back = plumbline.read_calibration(path)
+    # The project's bytes are not in the JSON: a new project is written.
+    project = plumbline.write(back, tmp_path / "y.pto").read_text()
+    assert "# made by plumbline" in project
+    assert project.count("\nc n") == 6
