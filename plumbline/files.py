@@ -15,7 +15,10 @@ MARK = "made by plumbline"
 """Stands in the head of every PTO and XML that plumbline makes from nothing."""
 
 RESULT = "plumbline calibration"
-"""Stands in the head of every JSON that plumbline makes."""
+"""Stands in the head of every JSON of calibrations that plumbline makes."""
+
+ZOOM = "plumbline zoom"
+"""Stands in the head of every JSON of a zoom lens that plumbline makes."""
 
 FITTED_DECIMALS = 18
 FITTED_VALUE = re.compile(rb"^i[ \t][^\n]*[ \t][a-e]-?\d+\.\d{18}(?!\S)", re.MULTILINE)
@@ -67,7 +70,7 @@ def refuse_to_clobber(target: Path, inputs: Sequence[str], *, overwrite: bool) -
     """
     try:
         exists = target.exists()
-        is_input = exists and any(_is_same(target, path) for path in inputs)
+        is_input = exists and any(is_same(target, path) for path in inputs)
         is_file = target.is_file()
     except OSError as error:
         raise _unwritable(target, error) from None
@@ -87,7 +90,8 @@ def refuse_to_clobber(target: Path, inputs: Sequence[str], *, overwrite: bool) -
         )
 
 
-def _is_same(target: Path, path: str) -> bool:
+def is_same(target: Path, path: str) -> bool:
+    """Whether two names are of one existing file."""
     try:
         return target.samefile(path)
     except (OSError, ValueError):
@@ -102,7 +106,9 @@ def _is_ours(target: Path) -> bool:
     except OSError:
         return False
     if target.suffix.lower() == ".json":
-        return head.lstrip().startswith(b"{") and f'"{RESULT}"'.encode() in head[:_MOST_OF_HEADER]
+        marks = [f'"{name}"'.encode() for name in (RESULT, ZOOM)]
+        start = head[:_MOST_OF_HEADER]
+        return start.lstrip().startswith(b"{") and any(mark in start for mark in marks)
     return MARK.encode() in head[:_MOST_OF_HEADER] or FITTED_VALUE.search(head) is not None
 
 

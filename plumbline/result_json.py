@@ -34,7 +34,7 @@ _NUMBERS = (
     "focal_px",
     "aspect_ratio",
 )
-_MOST = 1e12
+_MOST = 1e100
 _DAMAGE = (ValueError, TypeError, IndexError, AttributeError, OverflowError)
 
 

@@ -67,7 +67,8 @@ def test_numbers_that_are_none_are_refused(bad: float) -> None:
 def test_points_outside_the_photo_are_refused(point: tuple[float, float]) -> None:
     with pytest.raises(OptionError, match="outside the 400x300 photo"):
         Observations.from_arrays([[*EDGE, point]], SIZE)
-    Observations.from_arrays([[*EDGE, np.clip(point, -0.5, (399.5, 299.5))]], SIZE)
+    on_the_edge = np.clip(point, -0.5, (399.5, 299.5)).tolist()
+    Observations.from_arrays([[*EDGE, on_the_edge]], SIZE)
 
 
 def test_points_of_a_file_are_refused_by_file_and_row() -> None:

@@ -68,7 +68,7 @@ Examples:
 @click.option("--json", "as_json", is_flag=True, help="Print the result as JSON.")
 @click.option("-v", "--verbose", is_flag=True, help="List every line, however many.")
 @click.option("-q", "--quiet", is_flag=True, help="Print only the finding and the files.")
-def command(  # noqa: PLR0917
+def command(
     points: tuple[str, ...],
     model: str,
     free: tuple[str, ...] | None,

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import click
 
-_HELP = """List the distortion models that --model takes.
+_HELP = """List the distortion models.
 
-Each with its coefficients, equation and use. r is the distance from the distortion centre;
-"ideal" is where a perfect perspective would put a point, "observed" where the photograph shows
-it. Every model may also free the distortion centre d, e, in pixels.
+The names are what --model takes; each has its coefficients, equation and use. r is the distance
+from the distortion centre; "ideal" is where a perfect perspective would put a point, "observed"
+where the photograph shows it. Every model may also free the distortion centre d, e, in pixels.
 
 \b
 Example:

@@ -10,7 +10,7 @@ from typing import Any
 from plumbline.calibration import Calibration
 from plumbline.cli.options import check_aspect_ratio
 from plumbline.errors import OptionError, PlumblineError
-from plumbline.files import write_atomically
+from plumbline.files import is_same, write_atomically
 from plumbline.observations import Observations, listed
 from plumbline.reading import join, read
 from plumbline.writing import label_notes, result_bytes
@@ -20,8 +20,14 @@ def gather(sources: Sequence[str], image: int | None, **how: Any) -> Observation
     """Read one or several files of points, and select a photo.
 
     Raises:
-        OptionError: there is no such photo, or it has no lines.
+        OptionError: a file is named twice, there is no such photo, or it has no lines.
     """
+    for index, source in enumerate(sources):
+        if any(is_same(Path(source), other) for other in sources[:index]):
+            raise OptionError(
+                f"{source}: this file is named twice, and its points would count twice",
+                hint="name each file once",
+            )
     observations = join([read(source, **how) for source in sources])
     if image is None:
         return observations

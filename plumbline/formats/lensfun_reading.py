@@ -7,7 +7,6 @@ Sample and source: `plumbline.formats.lensfun`.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -92,7 +91,8 @@ def _lens(source: Source, element: Any) -> LensfunEntry:
     across, down = (0.0, 0.0)
     if centre is not None:
         across, down = (_attribute(source, centre, name, 0.0) for name in ("x", "y"))
-    found = [_distortion(source, each) for each in element.iter("distortion")]
+    entries = (_distortion(source, each) for each in element.iter("distortion"))
+    found = {each.focal_mm: each for each in entries if each}  # LensFun keeps the last, too
     kind = element.find("type")
     return LensfunEntry(
         _text(element, "maker"),
@@ -102,7 +102,7 @@ def _lens(source: Source, element: Any) -> LensfunEntry:
         _positive(source, element, "cropfactor", 1.0),
         _aspect(source, element),
         (across, down),
-        tuple(sorted((each for each in found if each), key=lambda each: each.focal_mm)),
+        tuple(found[focal_mm] for focal_mm in sorted(found)),
     )
 
 
@@ -112,7 +112,9 @@ def _distortion(source: Source, element: Any) -> Distortion | None:
         return None
     if model not in _NAMES:
         raise source.error(
-            f"the distortion model {printable(model)[:40]!r} is not known", element.sourceline, _HINT
+            f"the distortion model {printable(model)[:40]!r} is not known",
+            element.sourceline,
+            _HINT,
         )
     focal_mm = _attribute(source, element, "focal", None)
     if focal_mm <= 0:
@@ -153,13 +155,8 @@ def _aspect(source: Source, element: Any) -> float:
         return DEFAULT_ASPECT
     over, colon, under = (child.text or "").partition(":")
     row = child.sourceline
-    ratio = source.number(over.strip(), row, what="the aspect ratio")
-    ratio /= source.number(under.strip(), row, what="the aspect ratio") or 1.0 if colon else 1.0
-    if not 0.01 <= ratio <= 100:
+    longer = source.number(over.strip(), row, what="the aspect ratio")
+    shorter = source.number(under.strip(), row, what="the aspect ratio") if colon else 1.0
+    if not (longer > 0 and shorter > 0 and 0.01 <= longer / shorter <= 100):
         raise source.error("the aspect ratio is impossible", row, _HINT)
-    return max(ratio, 1 / ratio)
-
-
-def coefficients_of(entry: Distortion) -> Mapping[str, float]:
-    """The values of an entry by plumbline's names, which are LensFun's."""
-    return dict(entry.coefficients)
+    return max(longer / shorter, shorter / longer)

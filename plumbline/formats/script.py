@@ -90,6 +90,8 @@ def records(source: Source) -> list[str]:
         ReadError: the file is empty or binary, or larger than any real project.
     """
     source.text()
+    if b"\0" in source.content:
+        raise source.error("the project is UTF-16, which Hugin does not read", hint="save as UTF-8")
     n_records = source.content.count(b"\n") + 1
     if n_records > MAX_RECORDS:
         raise source.error(
@@ -119,7 +121,8 @@ def readable(text: str) -> str:
 
 def kind_of(text: str) -> str:
     """The kind of a record, the character before its first blank; empty for anything else."""
-    return text[0] if text[1:2] in (" ", "\t") else ""
+    bare = text.removeprefix("\ufeff")  # a byte-order mark stands before the first record
+    return bare[0] if bare[1:2] in (" ", "\t") else ""
 
 
 def masked(text: str) -> str:

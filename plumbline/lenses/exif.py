@@ -39,6 +39,7 @@ class PhotoFacts:
         exif_size: Width and height as stored that EXIF tells of; None where it is silent.
         history: What programs wrote of themselves, joined; may be empty.
         profile_applied: Whether XMP says that a lens profile was applied in developing.
+        in_camera: What tells that the camera itself corrected the distortion; else empty.
     """
 
     size: tuple[int, int]
@@ -52,11 +53,13 @@ class PhotoFacts:
     exif_size: tuple[int, int] | None = None
     history: str = ""
     profile_applied: bool = False
+    in_camera: str = ""
 
     @property
     def stored_size(self) -> tuple[int, int]:
         """Width and height as stored, the EXIF orientation not applied."""
-        return self.size[::-1] if self.turned else self.size
+        width, height = self.size
+        return (height, width) if self.turned else (width, height)
 
 
 def read_photo(path: str | Path) -> PhotoFacts:

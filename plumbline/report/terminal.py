@@ -71,7 +71,8 @@ def finding_sentence(made: Calibration) -> str:
     size = f": {finding.percent:+.2f} % ({finding.corner_px:+.1f} px) at the corner"
     return (
         f"{_KINDS[finding.kind]}{'' if finding.kind == 'none' else size}; "
-        f"lines are straight to {made.rms_before_px:.2f} px before, {made.rms_after_px:.2f} px after"
+        f"lines are straight to {made.rms_before_px:.2f} px before, "
+        f"{made.rms_after_px:.2f} px after"
     )
 
 

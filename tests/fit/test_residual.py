@@ -10,10 +10,10 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from plumbline.fit import cache
 from plumbline.fit.blocks import Block, pack_points
-from plumbline.fit.residual import Residuals, residuals
+from plumbline.fit.residual import residuals
 from plumbline.fit.straightness import distances_from_straight, straightness_before
+from plumbline.fit.task import Residuals
 from plumbline.models import MODELS, get_model
 from plumbline.models.inverse import REACH
 from plumbline.observations import Observations
@@ -46,9 +46,9 @@ Kernel = Callable[[jax.Array, Block, jax.Array, jax.Array], tuple[Residuals, Res
 @remembered
 def program(name: str) -> Kernel:
     """Residuals and their derivatives by the coefficients, compiled once a model and shape."""
-    cache.enable()
     model = get_model(name)
 
+    @jax.jit
     def both(
         c: jax.Array, block: Block, unit_px: jax.Array, reach: jax.Array
     ) -> tuple[Residuals, Residuals]:
@@ -59,15 +59,15 @@ def program(name: str) -> Kernel:
         derivative, value = jax.jacfwd(twice, has_aux=True)(c)
         return value, derivative
 
-    return jax.jit(both)
+    return both
 
 
 def computed(lens: TrueLens, c: Array, block: Block) -> tuple[Residuals, Residuals]:
     """Residuals and derivatives by the code under test, as NumPy arrays."""
     with jax.enable_x64(True):
-        arrays = jax.tree.map(jnp.asarray, (c, block))
+        points = jax.tree.map(jnp.asarray, block)
         unit, reach = jnp.asarray(lens.unit_px), jnp.asarray(REACH * lens.corner)
-        return jax.tree.map(np.asarray, program(lens.name)(*arrays, unit, reach))
+        return jax.tree.map(np.asarray, program(lens.name)(jnp.asarray(c), points, unit, reach))
 
 
 def normalised(lens: TrueLens, lines: list[Array]) -> list[Array]:

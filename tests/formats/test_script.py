@@ -169,8 +169,8 @@ def test_a_field_of_view_that_no_rectilinear_lens_has_is_not_known(angle: str) -
 
 
 def test_kinds() -> None:
-    kinds = ["i ", "c\tn0", "v", "", "i", "image", "#-hugin", " i w4", "*"]
-    assert [kind_of(text) for text in kinds] == ["i", "c", "", "", "", "", "", "", ""]
+    kinds = ["i ", "c\tn0", "v", "", "i", "image", "#-hugin", " i w4", "*", "\ufeffi w"]
+    assert [kind_of(text) for text in kinds] == ["i", "c", "", "", "", "", "", "", "", "i"]
 
 
 def test_values_are_set_in_place_and_all_else_stays() -> None:
@@ -215,6 +215,12 @@ def test_parts_of_a_script_become_text_whatever_their_encoding() -> None:
 def test_empty_and_binary_files(content: bytes) -> None:
     with pytest.raises(ReadError, match=r"x\.pto: the file is (empty|binary)") as caught:
         records(Source("x.pto", content))
+    assert caught.value.hint
+
+
+def test_utf16_is_named() -> None:
+    with pytest.raises(ReadError, match="UTF-16") as caught:
+        records(Source("x.pto", "i w4 h3".encode("utf-16")))
     assert caught.value.hint
 
 

@@ -1,0 +1,231 @@
+"""Reading: format, size, photo, checks and joining."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+import plumbline
+from plumbline.errors import DegenerateLinesError, OptionError, PlumblineError, ReadError
+from plumbline.reading import join, read
+
+CSV = "line,x,y\nleft,10,10\nleft,12,40\nleft,13,70\nroof,20,5\nroof,50,6\nroof,80,4\n"
+PTO_LINE = "c n0 N0 x10 y20 X90 Y25 t3\nc n0 N0 x50 y22 X10 Y20 t3\n"
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def put(name: str, text: str = CSV) -> str:
+    Path(name).write_bytes(text.encode())
+    return name
+
+
+def jpeg(name: str, size: tuple[int, int] = (100, 80), **tags: object) -> str:
+    numbers = {"orientation": 0x0112, "make": 0x010F, "model": 0x0110}
+    exif = Image.Exif()
+    for tag, value in tags.items():
+        if tag in numbers:
+            exif[numbers[tag]] = value
+        else:
+            exif.get_ifd(0x8769)[{"focal": 0x920A, "equivalent": 0xA405}[tag]] = value
+    Image.new("L", size).save(name, exif=exif)
+    return name
+
+
+def pto(*photos: str, lines: str = PTO_LINE) -> str:
+    return "".join(f"i {photo}\n" for photo in photos) + lines
+
+
+def test_the_size_from_a_flag(folder: Path) -> None:
+    found = read(put("a.csv"), size=(100, 80))
+    assert [photo.size for photo in found.photos] == [(100, 80)]
+    assert [(line.label, len(line.points_px)) for line in found.lines] == [("left", 3), ("roof", 3)]
+    (origin,) = found.origins
+    assert (origin.path, origin.format, origin.content) == ("a.csv", "csv", CSV.encode())
+
+
+def test_size_and_lens_from_the_photo(folder: Path) -> None:
+    photo = jpeg("p.jpg", make="NIKON", model="E995", focal=8.0, equivalent=38)
+    found = read(put("a.csv"), photo=photo)
+    assert (found.photos[0].size, found.photos[0].name) == ((100, 80), "p.jpg")
+    (facts,) = found.lenses
+    assert (facts.focal_mm, facts.crop_factor, facts.camera) == (8, 4.75, "NIKON E995")
+
+
+def test_a_sideways_photo_is_taken_upright(folder: Path) -> None:
+    found = read(put("a.csv"), photo=jpeg("p.jpg", (80, 100), orientation=6))
+    assert found.photos[0].size == (100, 80)
+    assert any("stored sideways" in note for note in found.notes)
+
+
+def test_a_project_may_have_been_made_before_the_photo_was_turned(folder: Path) -> None:
+    put("a.pto", pto('w80 h100 f0 v50 n"p.jpg"', lines=PTO_LINE.replace("9", "7")))
+    assert read("a.pto", photo=jpeg("p.jpg", (80, 100), orientation=6)).photos[0].size == (80, 100)
+
+
+def test_the_photo_beside_a_project_tells_of_its_lens(folder: Path) -> None:
+    jpeg("p.jpg", make="NIKON", focal=8.0, equivalent=38)
+    put("a.pto", pto('w100 h80 f0 v50 n"C:\\holiday\\p.jpg"'))
+    assert read("a.pto").lenses[0].focal_mm == 8
+    assert read(folder / "a.pto").lenses[0].focal_mm == 8
+
+
+def test_a_resized_photo_beside_a_project_is_not_used(folder: Path) -> None:
+    jpeg("p.jpg", (200, 160), focal=8.0)
+    found = read(put("a.pto", pto('w100 h80 f0 v50 n"p.jpg"')))
+    assert found.lenses[0].focal_mm is None
+    assert any("p.jpg beside the file is 200x160" in note for note in found.notes)
+
+
+def test_a_damaged_photo_beside_a_project_is_told_and_not_needed(folder: Path) -> None:
+    put("p.jpg", "no picture")
+    found = read(put("a.pto", pto('w100 h80 f0 v50 n"p.jpg"')))
+    assert found.photos[0].size == (100, 80)
+    assert any("was not used" in note for note in found.notes)
+
+
+@pytest.mark.parametrize("name", ["..", ".", "", "/", "x" * 300, "\x01"])
+def test_names_of_photos_that_are_no_files(folder: Path, name: str) -> None:
+    assert read(put("a.pto", pto(f'w100 h80 f0 v50 n"{name}"'))).lines
+
+
+def test_a_photo_for_a_project_of_several_lenses_is_not_dropped_silently(folder: Path) -> None:
+    two = PTO_LINE + PTO_LINE.replace("n0 N0", "n1 N1")
+    put("a.pto", pto("w100 h80 f0 v50", "w100 h80 f0 v30", lines=two))
+    found = read("a.pto", photo=jpeg("p.jpg", focal=8.0))
+    assert [facts.focal_mm for facts in found.lenses] == [None, None]
+    assert any("p.jpg was not used" in note for note in found.notes)
+
+
+@pytest.mark.parametrize(
+    ("size", "photo_size", "sentence"),
+    [
+        ((100, 81), None, "the file says 100x80, --size 100x81"),
+        ((80, 100), None, "the file says 100x80, --size 80x100"),
+        (None, (101, 80), "the file says 100x80, the photo 101x80"),
+        (None, (80, 100), "the file says 100x80, the photo 80x100"),
+    ],
+)
+def test_contradictory_sizes(
+    folder: Path, size: tuple[int, int] | None, photo_size: tuple[int, int] | None, sentence: str
+) -> None:
+    put("a.pto", pto("w100 h80 f0 v50"))
+    photo = None if photo_size is None else jpeg("p.jpg", photo_size)
+    with pytest.raises(ReadError) as caught:
+        read("a.pto", size=size, photo=photo)
+    assert caught.value.message == f"a.pto: contradictory sizes: {sentence}"
+    assert caught.value.hint
+
+
+def test_size_and_photo_contradict(folder: Path) -> None:
+    with pytest.raises(ReadError, match=r"^a\.csv: contradictory sizes: --size says 100x80"):
+        read(put("a.csv"), size=(100, 80), photo=jpeg("p.jpg", (200, 160)))
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("", "a.csv: the file is empty"),
+        ("\n \r\n", "a.csv: the file is empty"),
+        ("a\0b", "a.csv: the file is binary"),
+        ("what, ever\nthis, is\n", "a.csv: the format of this file is not recognised"),
+        (CSV + "left,100,10\n", "a.csv, line 8: the point (100, 10) of line left lies outside the"),
+        (CSV + "left,10,-3\n", "a.csv, line 8: the point (10, -3) of line left lies outside"),
+        (CSV + "left,nan,10\n", "a.csv, line 8: "),
+        (CSV + "left,1,inf\n", "a.csv, line 8: "),
+        (CSV + "left,ten,10\n", "a.csv, line 8: 'ten' stands where a coordinate belongs"),
+        ("line,x,y\na,1,1\na,2,2\nb,3,3\n", "a.csv: no line with at least 3 distinct points"),
+        ("line,x,y\na,1,1\na,2,2\na,1,1\na,2,2\n", "a.csv: no line with at least 3 distinct"),
+    ],
+)
+def test_bad_input_names_file_and_line_and_a_remedy(folder: Path, text: str, sentence: str) -> None:
+    with pytest.raises(PlumblineError) as caught:
+        read(put("a.csv", text), size=(100, 80))
+    assert caught.value.message.startswith(sentence)
+    assert caught.value.hint
+
+
+@pytest.mark.parametrize("size", [(0, 80), (-1, 5), (100, 0), (2_000_000, 80)])
+def test_impossible_sizes(folder: Path, size: tuple[int, int]) -> None:
+    with pytest.raises(OptionError, match=r"^a\.csv: the size \S+ is impossible") as caught:
+        read(put("a.csv"), size=size)
+    assert caught.value.hint
+
+
+def test_an_unknown_size(folder: Path) -> None:
+    with pytest.raises(ReadError, match=r"^a\.csv: the size of the photo is not known") as caught:
+        read(put("a.csv"))
+    assert "--photo" in caught.value.hint
+
+
+@pytest.mark.parametrize("aspect", [0.0, -1.0, 1e-3, 1e3, float("nan")])
+def test_impossible_pixels(folder: Path, aspect: float) -> None:
+    with pytest.raises(OptionError, match="pixel aspect") as caught:
+        read(put("a.csv"), size=(100, 80), pixel_aspect=aspect)
+    assert caught.value.hint
+
+
+def test_formats_by_name(folder: Path) -> None:
+    assert read(put("a.dat"), size=(100, 80), format="csv").n_points == 6
+    with pytest.raises(OptionError, match="there is no format 'pdf'") as caught:
+        read("a.dat", format="pdf")
+    assert "csv" in caught.value.hint
+    with pytest.raises(ReadError, match=r"^a\.dat: there is no image in this project"):
+        read("a.dat", format="pto")
+
+
+def test_short_lines_and_duplicates_are_set_aside_with_a_note(folder: Path) -> None:
+    found = read(put("a.csv", CSV + "left,10,10\nshort,1,1\nshort,2,2\n"), size=(100, 80))
+    assert [line.label for line in found.lines] == ["left", "roof"]
+    assert found.n_points == 6
+    assert found.notes == (
+        "1 point picked twice on one line counted once",
+        "1 line set aside for having fewer than 3 distinct points: short (2 points)",
+    )
+
+
+# --- joining --------------------------------------------------------------------------------
+
+
+def test_several_files_are_photos_of_one_lens(folder: Path) -> None:
+    parts = [read(put(f"{i}.csv"), size=(100, 80)) for i in range(3)]
+    whole = join(parts)
+    assert len(whole.lenses) == 1
+    assert [photo.lens for photo in whole.photos] == [0, 0, 0]
+    assert [line.photo for line in whole.lines] == [0, 0, 1, 1, 2, 2]
+    assert [origin.path for origin in whole.origins] == ["0.csv", "1.csv", "2.csv"]
+    assert join(parts[:1]) is parts[0]
+
+
+def test_facts_are_gathered_from_all_files(folder: Path) -> None:
+    first = read(put("a.csv"), photo=jpeg("a.jpg", make="NIKON"))
+    second = read(put("b.csv"), photo=jpeg("b.jpg", focal=8.0, equivalent=38))
+    facts = join([first, second]).lenses[0]
+    assert (facts.maker, facts.focal_mm, facts.crop_factor) == ("NIKON", 8, 4.75)
+
+
+def test_files_of_different_focal_lengths_are_not_joined(folder: Path) -> None:
+    first = read(put("a.csv"), photo=jpeg("a.jpg", focal=8.0))
+    second = read(put("b.csv"), photo=jpeg("b.jpg", focal=9.0))
+    with pytest.raises(OptionError, match=r"^b\.csv: the focal length is 9 mm") as caught:
+        join([first, second])
+    assert caught.value.hint
+
+
+def test_a_file_of_several_lenses_is_not_joined(folder: Path) -> None:
+    two = PTO_LINE + PTO_LINE.replace("n0 N0", "n1 N1")
+    several = read(put("a.pto", pto("w100 h80 f0 v50", "w100 h80 f0 v30", lines=two)))
+    with pytest.raises(OptionError, match=r"^a\.pto: the file holds 2 lenses") as caught:
+        join([several, read(put("b.csv"), size=(100, 80))])
+    assert caught.value.hint
+
+
+def test_too_few_points_in_the_api(folder: Path) -> None:
+    with pytest.raises(DegenerateLinesError):
+        plumbline.read(put("a.csv", "line,x,y\na,1,1\n"), size=(100, 80))
