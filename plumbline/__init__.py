@@ -29,12 +29,13 @@ if TYPE_CHECKING:
         UnsupportedModelError,
         WriteError,
     )
+    from plumbline.facts import LensFacts
     from plumbline.fit.calibrate import calibrate, calibrate_many
     from plumbline.formats import FORMATS
     from plumbline.frame import Frame
     from plumbline.lens import Lens
     from plumbline.models import MODELS, get_model
-    from plumbline.observations import LensFacts, Line, Observations, Photo
+    from plumbline.observations import Line, Observations, Photo
     from plumbline.reading import join, read, read_calibration, read_calibrations
     from plumbline.writing import write, write_points
 
@@ -55,7 +56,8 @@ _HOMES = {
     "plumbline.frame": ("Frame",),
     "plumbline.lens": ("Lens",),
     "plumbline.models": ("MODELS", "get_model"),
-    "plumbline.observations": ("LensFacts", "Line", "Observations", "Photo"),
+    "plumbline.facts": ("LensFacts",),
+    "plumbline.observations": ("Line", "Observations", "Photo"),
     "plumbline.reading": ("join", "read", "read_calibration", "read_calibrations"),
     "plumbline.writing": ("write", "write_points"),
 }

@@ -12,7 +12,9 @@ import numpy as np
 from plumbline.finding import Finding, find
 from plumbline.frame import Array
 from plumbline.lens import Lens
+from plumbline.notes import after_fit
 from plumbline.observations import Observations
+from plumbline.straightness import straightness_before
 
 ResidualKind = Literal["image", "corrected"]
 
@@ -52,11 +54,12 @@ class Calibration:
         sigma_px: Estimated standard deviation of one pick across its line, σ̂.
         dof: Degrees of freedom: points − 2 · lines − free coefficients.
         residuals_px: Signed residuals, one array for each line.
-        before_px: Signed distances of the observed points from a straight line, likewise.
         rms_corrected_px: Root mean square distance in the corrected photo, as Hugin has it.
+        corner_error_px: Largest standard error of the radial displacement up to the corner,
+            after the best common scale.
         converged: Whether the fit ended in a minimum.
         reason: Why it ended, in a sentence.
-        notes: What the user should know, in plain sentences.
+        remarks: What was decided for the user before the fit, in plain sentences.
     """
 
     observations: Observations
@@ -68,11 +71,11 @@ class Calibration:
     sigma_px: float
     dof: int
     residuals_px: tuple[Array, ...]
-    before_px: tuple[Array, ...]
     rms_corrected_px: float
+    corner_error_px: float
     converged: bool
     reason: str
-    notes: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
 
     @property
     def model(self) -> str:
@@ -96,10 +99,21 @@ class Calibration:
         return {n: v for n, v in self.lens.coefficients.items() if n not in self.free}
 
     @cached_property
+    def notes(self) -> tuple[str, ...]:
+        """What the user should know, in plain sentences."""
+        return (*self.observations.notes, *self.remarks, *after_fit(self))
+
+    @cached_property
+    def before_px(self) -> tuple[Array, ...]:
+        """Signed distances of every line's observed points from a straight line."""
+        return straightness_before(self.observations)
+
+    @cached_property
     def correlation(self) -> Array:
-        """Correlations of the free coefficients, in the order of `free`."""
+        """Correlations of the free coefficients, in the order of `free`; 0 where exact."""
         deviations = np.sqrt(np.diag(self.covariance))
-        return self.covariance / np.outer(deviations, deviations)
+        scale = np.outer(deviations, deviations)
+        return np.divide(self.covariance, scale, out=np.zeros_like(scale), where=scale > 0)
 
     @property
     def rms_before_px(self) -> float:

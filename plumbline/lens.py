@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from plumbline.errors import FoldedError, OptionError
 from plumbline.frame import Array, Frame
@@ -132,15 +132,21 @@ class Lens:
         return REACH * self.frame.corner_radius * self.frame.radius_px / self.unit_px
 
     def _apply(self, points: Array) -> Array:
-        return np.stack(self.model.apply(points[..., 0], points[..., 1], self.vector), axis=-1)
+        x, y = points[..., 0], points[..., 1]
+        fold = first_fold(self.model, self.vector, self._reach)
+        if fold is not None:
+            self._refuse_folded(np.hypot(x, y) > fold)
+        return np.stack(self.model.apply(x, y, self.vector), axis=-1)
 
     def _invert(self, points: Array) -> Array:
         solved = invert(self.model, self.vector, points, self._reach)
-        lost = int(np.count_nonzero(np.isnan(solved[..., 0])))
-        if lost:
+        self._refuse_folded(np.isnan(solved[..., 0]))
+        return solved
+
+    def _refuse_folded(self, lost: NDArray[np.bool_]) -> None:
+        if np.any(lost):
             raise FoldedError(
-                f"the {self.model.label} polynomial folds before it reaches {lost:,} of the "
-                f"{lost if solved.ndim == 1 else solved[..., 0].size:,} points",
+                f"the {self.model.label} polynomial folds before it reaches "
+                f"{np.count_nonzero(lost):,} of the {lost.size:,} points",
                 hint="fit with fewer free coefficients, or pick lines closer to the corners",
             )
-        return solved

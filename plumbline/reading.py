@@ -8,11 +8,12 @@ from pathlib import Path
 
 from plumbline.calibration import Calibration
 from plumbline.errors import OptionError, ReadError
+from plumbline.facts import LensFacts
 from plumbline.files import read_bytes
 from plumbline.formats import Source, format_of
 from plumbline.formats.base import Order, ReadOptions
 from plumbline.lenses.exif import PhotoFacts, read_photo
-from plumbline.observations import LensFacts, Observations, Origin, Photo
+from plumbline.observations import Observations, Origin, Photo
 from plumbline.result_json import from_json
 
 

@@ -16,11 +16,12 @@ import numpy as np
 from plumbline._version import __version__
 from plumbline.calibration import Calibration
 from plumbline.errors import PlumblineError, ReadError
+from plumbline.facts import LensFacts
 from plumbline.files import RESULT
 from plumbline.frame import Array
 from plumbline.lens import Lens
 from plumbline.models import get_model
-from plumbline.observations import LensFacts, Line, Observations, Origin, Photo
+from plumbline.observations import Line, Observations, Origin, Photo
 
 FORMAT_VERSION = 1
 
@@ -69,11 +70,13 @@ def as_dict(made: Calibration) -> dict[str, Any]:
         "rms_corrected_px": made.rms_corrected_px,
         "largest_before_px": made.largest_before_px,
         "largest_after_px": made.largest_after_px,
+        "corner_error_px": made.corner_error_px,
         "converged": made.converged,
         "reason": made.reason,
         "finding": asdict(finding),
         "focal_px": made.lens.focal_px,
         "notes": list(made.notes),
+        "remarks": list(made.remarks),
         "lines": [line._asdict() for line in made.lines],
         "observations": _observations(made),
     }
@@ -105,6 +108,7 @@ def _observations(made: Calibration) -> dict[str, Any]:
             )
         ],
         "origins": [{"path": o.path, "format": o.format} for o in observations.origins],
+        "notes": list(observations.notes),
     }
 
 
@@ -156,9 +160,8 @@ def _calibration(data: Mapping[str, Any]) -> Calibration:
     ).checked()
     origins = tuple(Origin(str(o["path"]), str(o["format"])) for o in stored["origins"])
     residuals_px = tuple(_array(line["residuals_px"], 1) for line in stored["lines"])
-    before_px = tuple(_array(line["before_px"], 1) for line in stored["lines"])
     sizes = [len(line.points_px) for line in observations.lines]
-    if any([len(values) for values in each] != sizes for each in (residuals_px, before_px)):
+    if [len(values) for values in residuals_px] != sizes:
         raise ValueError("the residuals do not fit the points")
     if not all(0 <= line.photo < len(observations.photos) for line in observations.lines):
         raise ValueError("a line lies in no photo")
@@ -180,7 +183,11 @@ def _calibration(data: Mapping[str, Any]) -> Calibration:
     if data["residual"] not in ("image", "corrected") or not isinstance(data["converged"], bool):
         raise ValueError("the kind of residual or the convergence is not known")
     return Calibration(
-        observations=replace(observations, origins=origins),
+        observations=replace(
+            observations,
+            origins=origins,
+            notes=tuple(str(note) for note in stored["notes"]),
+        ),
         lens=lens,
         free=free,
         start=start,
@@ -189,11 +196,11 @@ def _calibration(data: Mapping[str, Any]) -> Calibration:
         sigma_px=_number(data["sigma_px"]),
         dof=int(data["dof"]),
         residuals_px=residuals_px,
-        before_px=before_px,
         rms_corrected_px=_number(data["rms_corrected_px"]),
+        corner_error_px=_number(data["corner_error_px"]),
         converged=data["converged"],
         reason=str(data["reason"]),
-        notes=tuple(str(note) for note in data["notes"]),
+        remarks=tuple(str(note) for note in data["remarks"]),
     )
 
 

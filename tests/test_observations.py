@@ -8,16 +8,10 @@ import numpy as np
 import pytest
 
 from plumbline.errors import DegenerateLinesError, OptionError, ReadError
+from plumbline.facts import LensFacts
 from plumbline.frame import Frame
-from plumbline.observations import (
-    LensFacts,
-    Line,
-    Observations,
-    Origin,
-    Photo,
-    count,
-    listed,
-)
+from plumbline.observations import Line, Observations, Origin, Photo
+from plumbline.wording import count, listed
 
 SIZE = (400, 300)
 EDGE = [[10.0, 12.0], [200.0, 9.0], [390.0, 12.0]]

@@ -13,14 +13,16 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 import plumbline
 from plumbline.calibration import Calibration
 from plumbline.errors import ReadError
+from plumbline.facts import LensFacts
 from plumbline.frame import Frame
 from plumbline.lens import Lens
 from plumbline.models import get_model
-from plumbline.observations import LensFacts, Line, Observations, Origin, Photo
+from plumbline.observations import Line, Observations, Origin, Photo
 from plumbline.result_json import from_json, to_json
 
 THIRD = 1 / 3
@@ -58,12 +60,18 @@ def calibration(free: tuple[str, ...] = ("a", "b"), label: str = "t3") -> Calibr
         sigma_px=0.1,
         dof=1,
         residuals_px=(np.array([0.1, -0.2, THIRD]), np.array([1e-17, 0, 2])),
-        before_px=(np.array([3.0, -5.5, 2.5]), np.array([1.0, 2, -3])),
         rms_corrected_px=0.7,
+        corner_error_px=1.25,
         converged=False,
         reason="the fit stopped",
-        notes=("first note", "zweite „Notiz“"),
+        remarks=("first note", "zweite „Notiz“"),
     )
+
+
+def _off_straight(line: Line) -> NDArray[np.float64]:
+    """Distances from the best line, by singular value decomposition."""
+    centred = line.points_px - line.points_px.mean(axis=0)
+    return centred @ np.linalg.svd(centred)[2][1]
 
 
 def test_the_documented_names() -> None:
@@ -86,11 +94,13 @@ def test_the_documented_names() -> None:
         "rms_corrected_px",
         "largest_before_px",
         "largest_after_px",
+        "corner_error_px",
         "converged",
         "reason",
         "finding",
         "focal_px",
         "notes",
+        "remarks",
         "lines",
         "observations",
     }
@@ -99,11 +109,13 @@ def test_the_documented_names() -> None:
     assert found["standard_errors"] == {
         name: pytest.approx((1e-5 + 1e-6 / 3) ** 0.5, rel=1e-14) for name in "ab"
     }
-    assert found["rms_before_px"] == pytest.approx(((9 + 30.25 + 6.25 + 1 + 4 + 9) / 6) ** 0.5)
-    assert (found["largest_before_px"], found["largest_after_px"]) == (5.5, 2)
+    distances = np.concatenate([_off_straight(line) for line in calibration().observations.lines])
+    assert found["rms_before_px"] == pytest.approx(np.sqrt(np.mean(distances**2)), rel=1e-9)
+    assert found["largest_before_px"] == pytest.approx(np.max(np.abs(distances)), rel=1e-9)
+    assert found["largest_after_px"] == 2
     assert [line["label"] for line in found["lines"]] == ["t3", "zwei, „größer“"]
     assert set(found["finding"]) == {"kind", "percent", "corner_px"}
-    assert set(found["observations"]) == {"lens", "photos", "lines", "origins"}
+    assert set(found["observations"]) == {"lens", "photos", "lines", "origins", "notes"}
 
 
 @pytest.mark.parametrize("count", [1, 2, 3])
@@ -162,6 +174,8 @@ DERIVED = {
     "largest_after_px",
     "finding",
     "lines",
+    "notes",
+    "before_px",
 }
 
 
@@ -170,7 +184,7 @@ def places(node: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
     if isinstance(node, dict | list):
         items = node.items() if isinstance(node, dict) else enumerate(node)
         for key, value in items:
-            if path or key not in DERIVED:
+            if key not in DERIVED or (key in ("lines", "notes") and path):
                 yield (*path, key)
                 yield from places(value, (*path, key))
 
@@ -314,7 +328,7 @@ def test_contradictions_are_found(path: str, value: Any) -> None:
 
 
 def test_a_calibration_that_was_read_is_not_mixed_up_with_its_project(tmp_path: Path) -> None:
-    made = replace(calibration(), notes=())
+    made = replace(calibration(), remarks=())
     path = plumbline.write(made, tmp_path / "x.json")
     back = plumbline.read_calibration(path)
     # The project's bytes are not in the JSON: a new project is written.

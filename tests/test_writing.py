@@ -14,10 +14,11 @@ import pytest
 import plumbline
 from plumbline.calibration import Calibration
 from plumbline.errors import OptionError, PlumblineError, UnsupportedModelError, WriteError
+from plumbline.facts import LensFacts
 from plumbline.frame import Frame
 from plumbline.lens import Lens
 from plumbline.models import MODELS, get_model
-from plumbline.observations import LensFacts, Line, Observations, Origin, Photo
+from plumbline.observations import Line, Observations, Origin, Photo
 from plumbline.writing import label_notes, lens_name, result_bytes
 
 PROJECT = b'# hugin project file\r\ni w100 h80 f0 v50 a0.5 b0 c0 d0 e0 n"caf\xe9.jpg"\r\n*\r\n'
@@ -50,8 +51,8 @@ def calibration(
         sigma_px=0.1,
         dof=1,
         residuals_px=residuals,
-        before_px=residuals,
         rms_corrected_px=0.1,
+        corner_error_px=0.5,
         converged=True,
         reason="done",
     )

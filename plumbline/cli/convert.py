@@ -29,7 +29,7 @@ def command(source: str, target: str, overwrite: bool, image: int | None, **how:
     """Read points and write them."""
     from plumbline.cli.pipeline import gather
     from plumbline.errors import printable
-    from plumbline.observations import count
+    from plumbline.wording import count
     from plumbline.writing import write_points
 
     observations = gather([source], image=image, **how)

@@ -126,7 +126,7 @@ def command(
             calibrations.append(made)
     written, notes = write_results(calibrations, output, points[0], overwrite=overwrite)
     last = calibrations[-1]
-    calibrations[-1] = replace(last, notes=(*last.notes, *notes))
+    calibrations[-1] = replace(last, remarks=(*last.remarks, *notes))
     if as_json:
         from plumbline.result_json import to_json
 

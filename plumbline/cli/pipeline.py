@@ -11,8 +11,9 @@ from plumbline.calibration import Calibration
 from plumbline.cli.options import check_aspect_ratio
 from plumbline.errors import OptionError, PlumblineError
 from plumbline.files import is_same, write_atomically
-from plumbline.observations import Observations, listed
+from plumbline.observations import Observations
 from plumbline.reading import join, read
+from plumbline.wording import listed
 from plumbline.writing import label_notes, result_bytes
 
 

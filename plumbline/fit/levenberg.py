@@ -18,7 +18,7 @@ import optimistix as optx
 
 FunctionInfo = optx.FunctionInfo
 
-_FIRST_STEP_SIZE = 1e3
+_FIRST_STEP_SIZE = 1e8
 _UNJUDGEABLE = 1e-12
 
 

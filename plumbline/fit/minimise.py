@@ -21,6 +21,7 @@ from plumbline.models.base import Model
 from plumbline.models.inverse import REACH
 
 _TOLERANCE = 1e-10
+_SMALL_STEP = 1e-4
 _MOST_STEPS = 200
 
 
@@ -46,18 +47,25 @@ def minimise(model: Model, task: Task) -> Solution:
     )
     at = solution.aux
     normal, gradient, _ = _products(at, task)
-    step = jax.scipy.linalg.cho_solve((jnp.linalg.cholesky(normal), True), gradient)
+    step = -jax.scipy.linalg.cho_solve((jnp.linalg.cholesky(normal), True), gradient)
+    # One more Gauss–Newton step, for which the derivative is at hand already.
+    last = jnp.max(jnp.abs(step))
+    step = jnp.where(task.free & (last < _SMALL_STEP), step, 0.0)
     return Solution(
-        jnp.where(task.free, solution.value, task.start),
+        jnp.where(task.free, solution.value + step, task.start),
+        (at.value + jnp.einsum("irw,i->rw", at.jacobian, step)) * task.unit_px,
         at.residuals,
-        at.jacobian,
-        jnp.max(jnp.abs(step)),
+        at.jacobian * task.unit_px,
+        last,
         solution.stats["num_steps"],
     )
 
 
 class _Linear(NamedTuple):
-    """The fitted kind of residual at some coefficients, and its derivative by them."""
+    """The fitted kind of residual, in normalised units, and its derivative by the coefficients.
+
+    `jacobian` has the shape (k + 2, rows, width).
+    """
 
     value: jax.Array
     jacobian: jax.Array
@@ -66,14 +74,16 @@ class _Linear(NamedTuple):
 
 @partial(jax.jit, static_argnums=0)
 def _linearised(model: Model, y: jax.Array, task: Task) -> _Linear:
-    def fitted(y: jax.Array) -> tuple[jax.Array, tuple[jax.Array, Residuals]]:
+    def fitted(y: jax.Array) -> tuple[jax.Array, Residuals]:
         held = jnp.where(task.free, y, task.start)
         at = residuals(model, held, task.block, task.unit_px, REACH * task.corner)
-        value = jnp.where(task.image, at.image, at.corrected)
-        return value, (value, at)
+        return jnp.where(task.image, at.image, at.corrected) / task.unit_px, at
 
-    jacobian, (value, at) = jax.jacfwd(fitted, has_aux=True)(y)
-    return _Linear(value, jnp.where(task.free, jacobian, 0.0), at)
+    def along(direction: jax.Array) -> tuple[jax.Array, jax.Array, Residuals]:
+        return jax.jvp(fitted, (y,), (direction,), has_aux=True)
+
+    value, jacobian, at = jax.vmap(along, out_axes=(None, 0, None))(jnp.eye(y.shape[0]))
+    return _Linear(value, jnp.where(task.free[:, None, None], jacobian, 0.0), at)
 
 
 @partial(jax.custom_jvp, nondiff_argnums=(0,))
@@ -108,7 +118,7 @@ def _condense(model: Model, y: jax.Array, task: Task) -> tuple[jax.Array, jax.Ar
 
 def _products(at: _Linear, task: Task) -> tuple[jax.Array, jax.Array, jax.Array]:
     """JᵀJ, Jᵀr and rᵀr; held coefficients get a one on the diagonal, to keep full rank."""
-    normal = jnp.einsum("rwi,rwj->ij", at.jacobian, at.jacobian)
+    normal = jnp.einsum("irw,jrw->ij", at.jacobian, at.jacobian)
     normal = normal + jnp.diag(jnp.where(task.free, 0.0, 1.0))
-    gradient = jnp.einsum("rwi,rw->i", at.jacobian, at.value)
+    gradient = jnp.einsum("irw,rw->i", at.jacobian, at.value)
     return normal, gradient, jnp.sum(at.value * at.value)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 from plumbline.errors import OptionError, UnsupportedModelError
+from plumbline.facts import LensFacts
 from plumbline.models import CENTRE, Model
-from plumbline.observations import LensFacts
 
 _NAMES_OF_PTLENS = {"ptlens": {"a": "a", "b": "b", "c": "c"}, "poly3": {"b": "k1"}}
 
@@ -69,7 +69,7 @@ def plan(
             )
         values |= stored
     elif start is not None:
-        values |= _known(names, start, "the start vector")
+        values |= _known(names, start, "the start vector names")
     else:
         _note_ignored(stored, chosen, notes)
     return Plan(chosen, values, start is None, tuple(notes))
@@ -108,7 +108,7 @@ def _free(
 ) -> tuple[str, ...]:
     wanted = set(model.coefficients)
     if free is not None:
-        wanted = set(_known(names, dict.fromkeys(free, 0.0), "the free coefficients"))
+        wanted = set(_known(names, dict.fromkeys(free, 0.0), "the free coefficients include"))
     elif facts.requested:
         renamed = _NAMES_OF_PTLENS.get(model.name, {}) | {n: n for n in CENTRE}
         asked = {renamed[n] for n in facts.requested if n in renamed}
@@ -116,7 +116,7 @@ def _free(
         if wanted != set(model.coefficients):
             listed = ", ".join(n for n in names if n in wanted)
             notes.append(f"the project asks to optimise {listed}; use --free for others")
-    wanted -= set(_known(names, dict.fromkeys(hold, 0.0), "the held coefficients"))
+    wanted -= set(_known(names, dict.fromkeys(hold, 0.0), "the held coefficients include"))
     if not wanted:
         raise OptionError(
             "every coefficient is held, so there is nothing to fit",
@@ -129,7 +129,7 @@ def _known(names: tuple[str, ...], given: Mapping[str, float], where: str) -> di
     for name in given:
         if name not in names:
             raise OptionError(
-                f"{where} name an unknown coefficient {name!r}",
+                f"{where} an unknown coefficient {name!r}",
                 hint=f"the coefficients are {', '.join(names)}",
             )
     return {name: float(value) for name, value in given.items()}

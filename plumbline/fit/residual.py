@@ -10,6 +10,7 @@ lives (Sampson 1982).
 
 from __future__ import annotations
 
+from functools import partial
 from typing import NamedTuple
 
 import jax
@@ -23,6 +24,9 @@ from plumbline.models.inverse import limit_candidates, plane_step, radius_step
 
 _MOST_STEPS = 60
 _PLANE_STEPS = 8
+_CLOSE = 1e-8
+"""Relative change of a radius after which one more Newton step, which `undistort` takes, is exact."""
+_SLOPES = 64
 
 
 class Undistorted(NamedTuple):
@@ -56,32 +60,27 @@ def undistort(
     if model.direction == "observed to ideal":
         u, v = model.apply(x, y, c)
         return Undistorted(u, v, model.jacobian(x, y, c), jnp.zeros_like(x))
-    frozen_u, frozen_v, excess = lax.stop_gradient(_invert(model, c, x, y, reach))
-    # One more Newton step from the solution changes nothing but the derivative, which it
-    # makes that of the implicit function: the iterations need not be differentiated.
-    u, v = plane_step(model, c, x, y, frozen_u, frozen_v)
+    u, v, excess = _invert(model, c, x, y, reach)
     good = excess == 0
-    u, v = jnp.where(good, u, frozen_u), jnp.where(good, v, frozen_v)
     xx, xy, yx, yy = model.jacobian(u, v, c)
     determinant = jnp.where(good, xx * yy - xy * yx, 1.0)
     jacobian = yy / determinant, -xy / determinant, -yx / determinant, xx / determinant
     return Undistorted(u, v, jacobian, excess)
 
 
+@partial(jax.custom_jvp, nondiff_argnums=(0,))
 def _invert(
     model: Model, c: jax.Array, x: jax.Array, y: jax.Array, reach: jax.Array
 ) -> tuple[jax.Array, jax.Array, jax.Array]:
-    c, x, y = lax.stop_gradient((c, x, y))
+    """Solve m(u, v) = (x, y); how far beyond the fold a point lies comes third."""
     target = radius(x, y)
-    candidates = limit_candidates(reach, jnp)
-    bad = ~(model.slope(candidates, c) > 0)
-    top = jnp.where(jnp.any(bad), candidates[jnp.argmax(bad)], reach)
+    top = _limit(model, c, reach)
     excess = jnp.maximum(target - top * model.factor(top, c), 0.0)
     aim = jnp.where(excess > 0, 0.0, target)
 
     def unsettled(carry: tuple[jax.Array, ...]) -> jax.Array:
         step, before, r, *_ = carry
-        return (step < _MOST_STEPS) & jnp.any(jnp.abs(r - before) > 1e-15 * r)
+        return (step < _MOST_STEPS) & jnp.any(jnp.abs(r - before) > _CLOSE * r)
 
     def improve(carry: tuple[jax.Array, ...]) -> tuple[jax.Array, ...]:
         step, _, r, low, high = carry
@@ -98,7 +97,37 @@ def _invert(
     u, v = x * ratio, y * ratio
     if model.tangential:
         u, v = lax.fori_loop(0, _PLANE_STEPS, closer, (u, v))
-    return u, v, excess
+    closest = plane_step(model, c, x, y, u, v)
+    good = excess == 0
+    return jnp.where(good, closest[0], u), jnp.where(good, closest[1], v), excess
+
+
+@_invert.defjvp
+def _invert_jvp(
+    model: Model, primals: tuple[jax.Array, ...], tangents: tuple[jax.Array, ...]
+) -> tuple[tuple[jax.Array, ...], tuple[jax.Array, ...]]:
+    """Differentiate the implicit function, not the iterations that solve it."""
+    c, x, y, reach = primals
+    u, v, excess = _invert(model, c, x, y, reach)
+    moved = jax.jvp(partial(model.apply, u, v), (c,), (tangents[0],))[1]
+    xx, xy, yx, yy = model.jacobian(u, v, c)
+    good = excess == 0
+    determinant = jnp.where(good, xx * yy - xy * yx, 1.0)
+    gx, gy = (jnp.where(good, t - m, 0.0) for t, m in zip(tangents[1:3], moved, strict=True))
+    du, dv = (yy * gx - xy * gy) / determinant, (xx * gy - yx * gx) / determinant
+    return (u, v, excess), (du, dv, jnp.zeros_like(excess))
+
+
+def _limit(model: Model, c: jax.Array, reach: jax.Array) -> jax.Array:
+    """The first radius up to `reach` at which the model folds, to a thousandth or so; else it."""
+    radii = limit_candidates(reach, _SLOPES, jnp)
+    slopes = model.slope(radii, c)
+    folds = ~(slopes > 0)
+    first = jnp.argmax(folds)
+    before = jnp.maximum(first - 1, 0)
+    share = jnp.clip(slopes[before] / (slopes[before] - slopes[first]), 0.0, 1.0)
+    between = radii[before] + jnp.nan_to_num(share) * (radii[first] - radii[before])
+    return jnp.where(jnp.any(folds), between, reach)
 
 
 def residuals(

@@ -17,7 +17,7 @@ from plumbline.fit.residual import residuals
 from plumbline.models.base import Model
 from plumbline.models.division import Division
 
-_TRIALS = 64
+_TRIALS = 24
 _CURVE_POINTS = 64
 
 

@@ -52,15 +52,17 @@ class Solution(NamedTuple):
 
     Attributes:
         coefficients: Fitted and held values, (k + 2,).
-        residuals: Residuals at the solution.
-        jacobian: Derivative of the fitted kind of residual by the coefficients,
-            (rows, width, k + 2), in pixels; 0 for held coefficients.
-        last_step: The largest change of a coefficient that one more Gauss–Newton step asks
-            for; close to 0 at a minimum.
+        fitted: Residuals of the kind that was minimised, (rows, width), in pixels.
+        residuals: Both kinds, to within the last step.
+        jacobian: Derivative of the fitted kind by the coefficients, (k + 2, rows, width), in
+            pixels; 0 for held coefficients.
+        last_step: The largest change of a coefficient in the last Gauss–Newton step; close to 0
+            at a minimum.
         steps: Steps the solver took.
     """
 
     coefficients: AnyArray
+    fitted: AnyArray
     residuals: Residuals
     jacobian: AnyArray
     last_step: AnyArray

@@ -18,8 +18,45 @@ from plumbline.models import CENTRE, Model
 _NOISE_FLOOR_PX = 0.1
 _WORST_CORNER = 0.5
 _SCALES = 0.6, 4.0
+_LEAST_BEND_PX = 2.0
+_CENTRAL = 0.02
 _RADII = 12
 _HINT_MORE = "pick more lines, longer ones and nearer to the edges of the photo, in both directions"
+
+
+def refuse_blind(points: Array, sizes: NDArray[np.int64], radius_px: float) -> None:
+    """Stop where no line can show any distortion, before a fit is tried.
+
+    An ideal line at a distance h from the distortion centre, reaching L to either side of its
+    middle, is bent by b h L² where the magnification changes by b r².
+
+    Args:
+        points: Observed points about the distortion centre, in units of R, line after line.
+        sizes: Number of points of each line.
+        radius_px: R in pixels.
+
+    Raises:
+        DegenerateLinesError: a change of magnification by one would bend no line by two pixels.
+    """
+    starts = np.cumsum(sizes) - sizes
+    centres = np.add.reduceat(points, starts) / sizes[:, None]
+    x, y = (points - np.repeat(centres, sizes, axis=0)).T
+    xx, xy, yy = (np.add.reduceat(values, starts) for values in (x * x, x * y, y * y))
+    angle = 0.5 * np.arctan2(2 * xy, xx - yy)
+    along = np.abs(x * np.repeat(np.cos(angle), sizes) + y * np.repeat(np.sin(angle), sizes))
+    half_length = np.maximum.reduceat(along, starts)
+    distance = np.abs(centres[:, 1] * np.cos(angle) - centres[:, 0] * np.sin(angle))
+    if np.max(distance * half_length**2) * radius_px >= _LEAST_BEND_PX:
+        return
+    why = (
+        "every line runs through the centre of the distortion, where lines stay straight whatever "
+        "it is"
+        if np.max(distance) < _CENTRAL
+        else "every line is too short to show a bend"
+    )
+    raise DegenerateLinesError(
+        f"the lines carry no information about the distortion: {why}", hint=_HINT_MORE
+    )
 
 
 def degrees_of_freedom(n_points: int, n_lines: int, n_free: int) -> int:
@@ -50,9 +87,8 @@ def unit_covariance(normal: Array) -> Array:
     scale = np.sqrt(np.diag(normal))
     if not np.all(np.isfinite(normal)) or np.any(scale <= 1e-9 * max(1.0, scale.max())):
         raise DegenerateLinesError(
-            "the lines carry no information about the distortion: lines through its centre stay "
-            "straight whatever it is",
-            hint=_HINT_MORE,
+            "the lines carry no information about some free coefficient",
+            hint=_HINT_MORE + "; without any distortion there is no centre to be found",
         )
     values, vectors = np.linalg.eigh(normal / np.outer(scale, scale))
     if values[0] <= 1e-13:

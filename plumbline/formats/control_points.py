@@ -13,7 +13,8 @@ from plumbline.errors import ReadError
 from plumbline.formats.base import Source, shown
 from plumbline.formats.script import decimal
 from plumbline.frame import Array
-from plumbline.observations import Line, count
+from plumbline.observations import Line
+from plumbline.wording import count
 
 FIRST_LINE_TYPE = 3
 

@@ -29,7 +29,8 @@ import numpy as np
 from plumbline.formats.base import Format, ReadOptions, Source
 from plumbline.formats.lines import LineGatherer
 from plumbline.formats.table import Row, Table
-from plumbline.observations import Observations, count
+from plumbline.observations import Observations
+from plumbline.wording import count
 
 MAX_LENGTH = 16 * 2**20
 _KEYS = ("Group", "Counter", "ROI", "Slice", "Frame")

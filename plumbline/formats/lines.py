@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from plumbline.formats.base import Source
-from plumbline.observations import MAX_SIDE, Line, Observations, Photo, count, listed
+from plumbline.observations import MAX_SIDE, Line, Observations, Photo
+from plumbline.wording import count, listed
 
 MAX_LABEL = 120
 MAX_PICKED_LINES = 200_000

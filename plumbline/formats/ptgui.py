@@ -20,11 +20,12 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, field, replace
 
+from plumbline.facts import LensFacts
 from plumbline.formats.base import Format, ReadOptions, Source
 from plumbline.formats.control_points import ControlPoints, collect_lines
 from plumbline.formats.pto import refuse_moved_centre
 from plumbline.formats.script import ImageRecord, kind_of, parse_image, readable, records
-from plumbline.observations import LensFacts, Observations, Photo
+from plumbline.observations import Observations, Photo
 
 _FILE_VERSION = re.compile(r"#-fileversion (\d{1,6})\s*\Z")
 _IMAGE_FILE = re.compile(r'#-imgfile (\d{1,9}) (\d{1,9}) "([^"]*)"')

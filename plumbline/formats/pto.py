@@ -19,10 +19,11 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+from plumbline.facts import LensFacts
 from plumbline.formats.base import Format, ReadOptions, Source
 from plumbline.formats.control_points import ControlPoints, collect_lines
 from plumbline.formats.script import ImageRecord, kind_of, parse_image, records, size_of
-from plumbline.observations import LensFacts, Observations, Photo
+from plumbline.observations import Observations, Photo
 
 _LENS_COEFFICIENTS = ("a", "b", "c", "d", "e")
 _LINKED = ("a", "b", "c")

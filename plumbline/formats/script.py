@@ -12,9 +12,9 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
+from plumbline.facts import LensFacts
 from plumbline.files import FITTED_DECIMALS
 from plumbline.formats.base import Source, shown
-from plumbline.observations import LensFacts
 
 LENS_VALUES = ("a", "b", "c", "d", "e", "g", "t")
 PROJECTIONS = {

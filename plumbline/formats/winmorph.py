@@ -29,7 +29,8 @@ from plumbline.formats.base import Format, ReadOptions, Source
 from plumbline.formats.lines import LineGatherer
 from plumbline.formats.table import MAX_LINES
 from plumbline.frame import Array
-from plumbline.observations import Observations, count
+from plumbline.observations import Observations
+from plumbline.wording import count
 
 _HEADER = re.compile(r"^[ \t]*shape[^\n]{0,80}$", re.IGNORECASE | re.MULTILINE)
 _END = re.compile(r"[ \t]*sets[ \t]*=", re.IGNORECASE)

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from plumbline.errors import ReadError
-from plumbline.observations import FULL_FRAME_MM, LensFacts
+from plumbline.facts import FULL_FRAME_MM, LensFacts
 
 _MAKE, _MODEL, _ORIENTATION, _EXIF_IFD = 0x010F, 0x0110, 0x0112, 0x8769
 _FOCAL, _FOCAL_35MM, _LENS_MAKE, _LENS_MODEL = 0x920A, 0xA405, 0xA433, 0xA434

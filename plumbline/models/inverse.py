@@ -22,9 +22,9 @@ _SAMPLES = 512
 _MOST_STEPS = 100
 
 
-def limit_candidates(reach: Any, xp: Any) -> Any:
+def limit_candidates(reach: Any, number: int, xp: Any) -> Any:
     """Radii, closer together near the centre, at which the slope is looked at for a fold."""
-    return reach * (xp.arange(1, _SAMPLES + 1) / _SAMPLES) ** 2
+    return reach * (xp.arange(1.0, number + 1) / number) ** 2
 
 
 def first_fold(model: Model, c: Any, reach: float) -> float | None:
@@ -32,7 +32,7 @@ def first_fold(model: Model, c: Any, reach: float) -> float | None:
 
     The slope's sign is looked at on a grid, then its zero is bisected.
     """
-    grid = limit_candidates(reach, np)
+    grid = limit_candidates(reach, _SAMPLES, np)
     with np.errstate(all="ignore"):
         bad = ~(model.slope(grid, c) > 0)
         if not np.any(bad):

@@ -192,9 +192,7 @@ def run(entries: Sequence[Entry], *, noise_px: float = 0.3) -> Outcome:
         for (entry, _), made in zip(usable, noisy, strict=True)
         if _is_wrong(entry, made, noise_px)
     ]
-    return Outcome(
-        len(entries), len(entries) - len(usable), max(errors), inexact, wrong, seconds
-    )
+    return Outcome(len(entries), len(entries) - len(usable), max(errors), inexact, wrong, seconds)
 
 
 def _is_wrong(entry: Entry, made: plumbline.Calibration, noise_px: float) -> bool:

@@ -21,11 +21,12 @@ from plumbline.errors import (
     PlumblineError,
     UnsupportedModelError,
 )
+from plumbline.facts import LensFacts
 from plumbline.fit.uncertainty import refuse_collapsed
 from plumbline.frame import Frame
 from plumbline.lens import Lens
 from plumbline.models import CENTRE, MODELS, get_model
-from plumbline.observations import LensFacts, Line, Photo
+from plumbline.observations import Line, Photo
 from tests import truth
 from tests.truth import TrueLens
 
@@ -197,16 +198,15 @@ def test_a_good_start_vector_ends_in_the_same_minimum(start: dict[str, float]) -
 
 
 def test_a_start_vector_that_ends_worse_is_told_with_the_better_one() -> None:
-    obs = picked(TrueLens("ptlens", ACTION_CAMERAS[0]), noise_px=0.5, seed=1)
+    obs = picked(TrueLens("ptlens", ACTION_CAMERAS[2]), noise_px=0.5, seed=1)
     staged = calibrate(obs)
-    made = calibrate(obs, start={"a": -0.21, "b": -0.07, "c": 0.0})
+    made = calibrate(obs, start={"a": -0.34, "b": -0.05, "c": 0.32})
     assert made.rms_after_px > 10 * staged.rms_after_px
     (told,) = [note for note in made.notes if "worse fit" in note]
     assert f"{staged.rms_after_px:.4g} px with a = {staged.coefficients['a']:.6g}" in told
     assert f"{made.rms_after_px:.4g} px)" in told
 
 
-@pytest.mark.xfail(strict=True, reason="the remedy blames the coefficients, not the start vector")
 def test_a_start_vector_that_folds_is_blamed_itself() -> None:
     obs = picked(TrueLens("ptlens", ACTION_CAMERAS[0]))
     calibrate(obs)
@@ -272,10 +272,10 @@ def test_hold_takes_from_what_is_free() -> None:
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
     [
-        ({"free": ("a", "x")}, "the free coefficients name an unknown coefficient 'x'"),
+        ({"free": ("a", "x")}, "the free coefficients include an unknown coefficient 'x'"),
         ({"free": ("k1",)}, "unknown coefficient 'k1'"),
-        ({"hold": ("v",)}, "the held coefficients name an unknown coefficient 'v'"),
-        ({"start": {"q": 1.0}}, "the start vector name an unknown coefficient 'q'"),
+        ({"hold": ("v",)}, "the held coefficients include an unknown coefficient 'v'"),
+        ({"start": {"q": 1.0}}, "the start vector names an unknown coefficient 'q'"),
         ({"free": ()}, "nothing to fit"),
         ({"hold": ("a", "b", "c")}, "nothing to fit"),
         ({"free": ("b",), "hold": ("b",)}, "nothing to fit"),
@@ -429,9 +429,8 @@ def test_lines_through_the_centre_are_refused() -> None:
         calibrate(Observations.from_arrays(radiating(), (3000, 2250)))
 
 
-@pytest.mark.xfail(strict=True, reason="told as a fold of the photo instead")
 def test_lines_through_the_centre_are_refused_for_what_they_are() -> None:
-    with pytest.raises(DegenerateLinesError, match="through its centre"):
+    with pytest.raises(DegenerateLinesError, match="every line runs through the centre"):
         calibrate(Observations.from_arrays(radiating(), (3000, 2250)))
 
 
@@ -442,7 +441,7 @@ def test_a_small_cluster_of_short_lines_is_refused() -> None:
         + rng.normal(0, 0.3, (12, 2))
         for i in range(16)
     ]
-    with pytest.raises(DegenerateLinesError, match="no better than"):
+    with pytest.raises(DegenerateLinesError, match="too short to show a bend"):
         calibrate(Observations.from_arrays(lines, (3000, 2250)))
 
 

@@ -12,11 +12,11 @@ import pytest
 
 from plumbline.fit.blocks import Block, pack_points
 from plumbline.fit.residual import residuals
-from plumbline.fit.straightness import distances_from_straight, straightness_before
 from plumbline.fit.task import Residuals
 from plumbline.models import MODELS, get_model
 from plumbline.models.inverse import REACH
 from plumbline.observations import Observations
+from plumbline.straightness import distances_from_straight, straightness_before
 from tests import truth
 from tests.truth import TrueLens
 

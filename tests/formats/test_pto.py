@@ -13,11 +13,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from plumbline.errors import ReadError
+from plumbline.facts import LensFacts
 from plumbline.formats import format_of
 from plumbline.formats.base import ReadOptions, Source
 from plumbline.formats.pto import FORMAT
 from plumbline.formats.pto_writing import new_project, rewritten
-from plumbline.observations import LensFacts, Line, Observations, Photo
+from plumbline.observations import Line, Observations, Photo
 
 SHARED = Path(__file__).parents[3] / "shared" / "data" / "pto"
 

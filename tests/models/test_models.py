@@ -357,9 +357,6 @@ def test_the_pole_of_the_division_model_is_a_fold() -> None:
     assert float(far[0, 0]) == pytest.approx(1 - 0.5e-6, abs=1e-11)
 
 
-@pytest.mark.xfail(
-    strict=True, reason="Lens does not look for the fold in the model's own direction"
-)
 @pytest.mark.parametrize("name", ["radial:2,4", "brown", "division"])
 def test_undistorting_beyond_the_fold_is_refused_in_either_direction(name: str) -> None:
     """Beyond the fold one ideal point has two observed ones: nothing to be trusted."""

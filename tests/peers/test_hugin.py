@@ -97,7 +97,9 @@ def test_hugin_optimises_what_plumbline_writes_to_a_like_result(
     # Hugin weighs the picks in another way, so the curves agree within the picks' noise.
     frame = observations.photos[0].frame
     r = np.linspace(0.05, frame.corner_radius, 100)
-    scale = np.dot(_curve(ours, r), _curve(theirs, r)) / np.dot(_curve(theirs, r), _curve(theirs, r))
+    scale = np.dot(_curve(ours, r), _curve(theirs, r)) / np.dot(
+        _curve(theirs, r), _curve(theirs, r)
+    )
     off_px = (_curve(ours, r) - scale * _curve(theirs, r)) * frame.radius_px
     assert np.max(np.abs(off_px)) < 4.0
     assert made.finding.corner_px != pytest.approx(0, abs=20)

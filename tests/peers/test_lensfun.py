@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from lxml import etree
 
-from plumbline.frame import Array, Frame
 from plumbline.formats.lensfun import Distortion, LensfunLens, lensfun_xml
+from plumbline.frame import Array, Frame
 from plumbline.lens import Lens
 from plumbline.models import get_model
 
@@ -60,9 +60,7 @@ def _as_lensfun_measures(lens: Lens, points_px: Array) -> Array:
 def test_lensfun_displaces_points_as_plumbline_does(model: str, shape: str) -> None:
     coefficients, median_px, largest_px = CASES[model]
     width, height = size = SIZES[shape]
-    modifier = _modifier(
-        _profile(model, coefficients, max(size) / min(size)), size
-    )
+    modifier = _modifier(_profile(model, coefficients, max(size) / min(size)), size)
     theirs = modifier.apply_geometry_distortion()
     y, x = np.mgrid[0:height:37, 0:width:37]
     points = np.stack((x, y), axis=-1).astype(float)

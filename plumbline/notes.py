@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from plumbline.calibration import Calibration
 from plumbline.models import CENTRE
+
+if TYPE_CHECKING:
+    from plumbline.calibration import Calibration
 
 _CORRELATED = 0.95
 _FEW_DOF = 6
 
 
-def after_fit(made: Calibration, corner_px: float) -> tuple[str, ...]:
-    """Notes on a finished fit.
-
-    Args:
-        made: The calibration.
-        corner_px: Largest standard error of the displacement up to the corner, in pixels.
-    """
+def after_fit(made: Calibration) -> tuple[str, ...]:
+    """Notes on a finished fit."""
     return tuple(
         note
         for note in (
@@ -25,7 +24,7 @@ def after_fit(made: Calibration, corner_px: float) -> tuple[str, ...]:
             _folding(made),
             _few_lines(made),
             _few_points(made),
-            _corner(made, corner_px),
+            _corner(made),
             _uninformative(made),
             _correlated(made),
             _corrected(made),
@@ -65,7 +64,8 @@ def _few_points(made: Calibration) -> str:
     return f"only {made.dof} degrees of freedom: the error bars themselves are uncertain"
 
 
-def _corner(made: Calibration, corner_px: float) -> str:
+def _corner(made: Calibration) -> str:
+    corner_px = made.corner_error_px
     if not corner_px > max(1.0, abs(made.finding.corner_px) / 3):
         return ""
     return (
