@@ -1,8 +1,9 @@
 """Picked points packed into arrays of few distinct shapes, so that programs are shared.
 
 A block has `rows` rows of `width` points; a line fills as many rows as it needs, and
-`row_line` says which line a row belongs to. Both numbers are powers of two: every project of
-like size has the same shapes and runs the same compiled program. Padding has weight 0.
+`row_line` says which line a row belongs to. Both numbers come from a short list, powers of two
+mostly: every project of like size has the same shapes and runs the same compiled program.
+Padding has weight 0.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from plumbline.frame import Array
 from plumbline.observations import Observations
 
 _LEAST_ROWS = 16
+_COARSE = 1024
 _WIDTHS = 8, 32, 128
 
 
@@ -84,7 +86,7 @@ def pack_points(lines: Sequence[Array]) -> Packed:
     width = _width(sizes)
     rows_of = -(-sizes // width)
     first_row = np.cumsum(rows_of) - rows_of
-    rows = max(_LEAST_ROWS, power_of_two(int(rows_of.sum())))
+    rows = bucket(int(rows_of.sum()))
     first_point = np.cumsum(sizes) - sizes
     within = np.arange(sizes.sum()) - np.repeat(first_point, sizes)
     cells = np.repeat(first_row * width, sizes) + within
@@ -98,9 +100,16 @@ def pack_points(lines: Sequence[Array]) -> Packed:
     return Packed(block, cells, sizes)
 
 
-def power_of_two(number: int) -> int:
-    """The least power of two that is not below `number`."""
-    return 1 << max(0, number - 1).bit_length()
+def bucket(rows: int) -> int:
+    """The number of rows that this many are padded to.
+
+    A power of two; above 1,024, where padding costs more than another compilation, a quarter of
+    one finer.
+    """
+    whole = 1 << max(0, rows - 1).bit_length()
+    if rows <= _COARSE:
+        return max(_LEAST_ROWS, whole)
+    return -(-rows // (whole // 8)) * (whole // 8)
 
 
 def _width(sizes: NDArray[np.int64]) -> int:

@@ -7,16 +7,17 @@ the start vector and the kind of residual are run-time arguments.
 from __future__ import annotations
 
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import optimistix as optx
+from jax import lax
 
 from plumbline.fit.levenberg import PreciseLevenbergMarquardt
 from plumbline.fit.residual import residuals
 from plumbline.fit.start import staged_start
-from plumbline.fit.task import Residuals, Solution, Task
+from plumbline.fit.task import Solution, Task
 from plumbline.models.base import Model
 from plumbline.models.inverse import REACH
 
@@ -45,80 +46,75 @@ def minimise(model: Model, task: Task) -> Solution:
         max_steps=_MOST_STEPS,
         throw=False,
     )
-    at = solution.aux
-    normal, gradient, _ = _products(at, task)
-    step = -jax.scipy.linalg.cho_solve((jnp.linalg.cholesky(normal), True), gradient)
+    products = solution.aux
+    step = -jax.scipy.linalg.cho_solve(
+        (jnp.linalg.cholesky(products.normal), True), products.gradient
+    )
     # One more Gauss–Newton step, for which the derivative is at hand already.
     last = jnp.max(jnp.abs(step))
     step = jnp.where(task.free & (last < _SMALL_STEP), step, 0.0)
+    final = jnp.where(task.free, solution.value + step, task.start)
     return Solution(
-        jnp.where(task.free, solution.value + step, task.start),
-        (at.value + jnp.einsum("irw,i->rw", at.jacobian, step)) * task.unit_px,
-        at.residuals,
-        at.jacobian * task.unit_px,
+        final,
+        residuals(model, final, task.block, task.unit_px, REACH * task.corner),
+        products.normal * task.unit_px**2,
         last,
         solution.stats["num_steps"],
     )
 
 
-class _Linear(NamedTuple):
-    """The fitted kind of residual, in normalised units, and its derivative by the coefficients.
+class _Products(NamedTuple):
+    """JᵀJ, Jᵀr and rᵀr of the residuals r in normalised units.
 
-    `jacobian` has the shape (k + 2, rows, width).
+    Held coefficients have a one on the diagonal of JᵀJ, which keeps its full rank.
     """
 
-    value: jax.Array
-    jacobian: jax.Array
-    residuals: Residuals
+    normal: jax.Array
+    gradient: jax.Array
+    cost: jax.Array
 
 
 @partial(jax.jit, static_argnums=0)
-def _linearised(model: Model, y: jax.Array, task: Task) -> _Linear:
-    def fitted(y: jax.Array) -> tuple[jax.Array, Residuals]:
+def _products(model: Model, y: jax.Array, task: Task) -> _Products:
+    def fitted(y: jax.Array) -> jax.Array:
         held = jnp.where(task.free, y, task.start)
         at = residuals(model, held, task.block, task.unit_px, REACH * task.corner)
-        return jnp.where(task.image, at.image, at.corrected) / task.unit_px, at
+        return jnp.where(task.image, at.image, at.corrected) / task.unit_px
 
-    def along(direction: jax.Array) -> tuple[jax.Array, jax.Array, Residuals]:
-        return jax.jvp(fitted, (y,), (direction,), has_aux=True)
-
-    value, jacobian, at = jax.vmap(along, out_axes=(None, 0, None))(jnp.eye(y.shape[0]))
-    return _Linear(value, jnp.where(task.free[:, None, None], jacobian, 0.0), at)
+    value, slope = jax.linearize(fitted, y)
+    jacobian = lax.map(slope, jnp.eye(y.shape[0]))
+    jacobian = jnp.where(task.free[:, None, None], jacobian, 0.0)
+    normal = jnp.einsum("irw,jrw->ij", jacobian, jacobian)
+    normal = normal + jnp.diag(jnp.where(task.free, 0.0, 1.0))
+    gradient = jnp.einsum("irw,rw->i", jacobian, value)
+    return _Products(normal, gradient, jnp.sum(value * value))
 
 
 @partial(jax.custom_jvp, nondiff_argnums=(0,))
-def _condensed(model: Model, y: jax.Array, task: Task) -> tuple[jax.Array, _Linear]:
+def _condensed(model: Model, y: jax.Array, task: Task) -> tuple[jax.Array, _Products]:
     """A residual of k + 1 numbers that the solver cannot tell from that of all points.
 
     Levenberg–Marquardt sees a residual r and its derivative J only through rᵀr, Jᵀr and JᵀJ.
     The Cholesky factor of [J r]ᵀ[J r] gives k + 1 numbers with the same three products, however
-    many points there are. What it stands for comes along as the second value.
+    many points there are. The products come along as the second value.
     """
-    value, _, at = _condense(model, y, task)
-    return value, at
+    value, _, products = _condense(model, y, task)
+    return value, products
 
 
 @_condensed.defjvp
 def _condensed_jvp(
     model: Model, primals: tuple[jax.Array, Task], tangents: tuple[jax.Array, Task]
-) -> tuple[tuple[jax.Array, _Linear], tuple[jax.Array, _Linear]]:
-    value, jacobian, at = _condense(model, *primals)
-    return (value, at), (jacobian @ tangents[0], jax.tree.map(jnp.zeros_like, at))
+) -> tuple[Any, Any]:
+    value, jacobian, products = _condense(model, *primals)
+    return (value, products), (jacobian @ tangents[0], jax.tree.map(jnp.zeros_like, products))
 
 
-def _condense(model: Model, y: jax.Array, task: Task) -> tuple[jax.Array, jax.Array, _Linear]:
-    at = _linearised(model, y, task)
-    normal, gradient, cost = _products(at, task)
-    lower = jnp.linalg.cholesky(normal)
-    top = jax.scipy.linalg.solve_triangular(lower, gradient, lower=True)
-    rest = jnp.sqrt(jnp.maximum(cost - top @ top, 0.0))
+def _condense(model: Model, y: jax.Array, task: Task) -> tuple[jax.Array, jax.Array, _Products]:
+    products = _products(model, y, task)
+    lower = jnp.linalg.cholesky(products.normal)
+    top = jax.scipy.linalg.solve_triangular(lower, products.gradient, lower=True)
+    rest = jnp.sqrt(jnp.maximum(products.cost - top @ top, 0.0))
     value = jnp.concatenate((top, rest[None]))
-    return value, jnp.concatenate((lower.T, jnp.zeros((1, y.shape[0])))), at
-
-
-def _products(at: _Linear, task: Task) -> tuple[jax.Array, jax.Array, jax.Array]:
-    """JᵀJ, Jᵀr and rᵀr; held coefficients get a one on the diagonal, to keep full rank."""
-    normal = jnp.einsum("irw,jrw->ij", at.jacobian, at.jacobian)
-    normal = normal + jnp.diag(jnp.where(task.free, 0.0, 1.0))
-    gradient = jnp.einsum("irw,rw->i", at.jacobian, at.value)
-    return normal, gradient, jnp.sum(at.value * at.value)
+    jacobian = jnp.concatenate((lower.T, jnp.zeros((1, y.shape[0]))))
+    return value, jacobian, products

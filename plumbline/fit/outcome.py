@@ -34,11 +34,12 @@ def finish(problem: Problem, solution: Solution) -> Calibration:
     lens = replace(problem.blank, coefficients=found | held)
     at = solution.residuals
     refuse_collapsed(lens, packed.unpack(at.determinant), packed.unpack(at.excess))
-    fitted, corrected = packed.unpack(solution.fitted), packed.unpack(at.corrected)
+    corrected = packed.unpack(at.corrected)
+    fitted = packed.unpack(at.image) if problem.residual == "image" else corrected
     sigma_px = float(np.sqrt(fitted @ fitted / problem.dof))
     free = problem.task.free
-    jacobian = solution.jacobian[free].reshape(np.count_nonzero(free), -1)
-    unit = unit_covariance(jacobian @ jacobian.T) * np.outer(to_px[free], to_px[free])
+    unit = unit_covariance(solution.normal[np.ix_(free, free)])
+    unit = unit * np.outer(to_px[free], to_px[free])
     corner_error_px = refuse_unobservable(lens, chosen.free, unit, sigma_px)
     converged = bool(float(solution.last_step) * lens.unit_px < _SETTLED_PX)
     return Calibration(

@@ -25,7 +25,7 @@ from plumbline.models.inverse import limit_candidates, plane_step, radius_step
 _MOST_STEPS = 60
 _PLANE_STEPS = 8
 _CLOSE = 1e-8
-"""Relative change of a radius after which one more Newton step, which `undistort` takes, is exact."""
+"""Relative change of a radius after which one more Newton step is exact."""
 _SLOPES = 64
 
 

@@ -52,19 +52,17 @@ class Solution(NamedTuple):
 
     Attributes:
         coefficients: Fitted and held values, (k + 2,).
-        fitted: Residuals of the kind that was minimised, (rows, width), in pixels.
-        residuals: Both kinds, to within the last step.
-        jacobian: Derivative of the fitted kind by the coefficients, (k + 2, rows, width), in
-            pixels; 0 for held coefficients.
+        residuals: Residuals of both kinds, to within the last step.
+        normal: JᵀJ of the kind that was minimised, (k + 2, k + 2), in pixels; a one on the
+            diagonal for held coefficients.
         last_step: The largest change of a coefficient in the last Gauss–Newton step; close to 0
             at a minimum.
         steps: Steps the solver took.
     """
 
     coefficients: AnyArray
-    fitted: AnyArray
     residuals: Residuals
-    jacobian: AnyArray
+    normal: AnyArray
     last_step: AnyArray
     steps: AnyArray
 
