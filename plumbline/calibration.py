@@ -9,6 +9,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from plumbline.displacement import displacement_errors, grid_px
 from plumbline.finding import Finding, find
 from plumbline.frame import Array
 from plumbline.lens import Lens
@@ -39,7 +40,7 @@ class LineStraightness(NamedTuple):
     largest_after_px: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Calibration:
     """A fitted lens and how far to trust it.
 
@@ -55,8 +56,6 @@ class Calibration:
         dof: Degrees of freedom: points − 2 · lines − free coefficients.
         residuals_px: Signed residuals, one array for each line.
         rms_corrected_px: Root mean square distance in the corrected photo, as Hugin has it.
-        corner_error_px: Largest standard error of the radial displacement up to the corner,
-            after the best common scale.
         converged: Whether the fit ended in a minimum.
         reason: Why it ended, in a sentence.
         remarks: What was decided for the user before the fit, in plain sentences.
@@ -72,7 +71,6 @@ class Calibration:
     dof: int
     residuals_px: tuple[Array, ...]
     rms_corrected_px: float
-    corner_error_px: float
     converged: bool
     reason: str
     remarks: tuple[str, ...] = ()
@@ -139,6 +137,20 @@ class Calibration:
     def finding(self) -> Finding:
         """The distortion in a nutshell."""
         return find(self.lens)
+
+    @cached_property
+    def corner_error_px(self) -> float | None:
+        """Standard error of the correction at the photo's worst corner.
+
+        After the best common scale and translation, see `plumbline.displacement`; None where the
+        model folds before the corner.
+        """
+        points = grid_px(self.lens)
+        errors = displacement_errors(self.lens, self.free, self.covariance, points)
+        if errors is None:
+            return None
+        corners = [0, int(np.sqrt(len(points))) - 1]
+        return float(np.max(errors[[*corners, *(len(points) - 1 - i for i in corners)]]))
 
     @property
     def lines(self) -> tuple[LineStraightness, ...]:

@@ -26,18 +26,21 @@ class Finding:
             "wavy" if it does both by more than a fifth of its range, "none" below 0.01 px.
         percent: Change of magnification at the corner.
         corner_px: Radial displacement of the corner in pixels.
+        folds_at_px: Where the model folds before the corner, and all this is measured; else None.
     """
 
     kind: Kind
     percent: float
     corner_px: float
+    folds_at_px: float | None = None
 
 
 def find(lens: Lens) -> Finding:
     """Describe the radial distortion of a lens about its own centre."""
     observed, ideal = radial_curve(lens)
     if not len(observed):
-        return Finding("wavy", 0.0, 0.0)
+        return Finding("wavy", 0.0, 0.0, 0.0)
+    folds_at_px = float(observed[-1]) if len(observed) < _SAMPLES else None
     shift = observed - ideal
     percent = 100 * (observed / ideal - 1)
     rise = np.diff(percent, prepend=0.0)
@@ -47,7 +50,7 @@ def find(lens: Lens) -> Finding:
         kind = "none"
     elif min(up, down) > _WAVY * max(up, down):
         kind = "wavy"
-    return Finding(kind, float(percent[-1]), float(shift[-1]))
+    return Finding(kind, float(percent[-1]), float(shift[-1]), folds_at_px)
 
 
 def radial_curve(lens: Lens) -> tuple[Array, Array]:

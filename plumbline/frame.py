@@ -56,6 +56,10 @@ class Frame:
         width, height = self.square_size
         return float(np.hypot(width, height)) / 2 / self.radius_px
 
+    def per_px(self, unit_px: float | None = None) -> Array:
+        """Normalised units of one pixel across and one down, shape (2,)."""
+        return np.array([self.pixel_aspect, 1.0]) / (unit_px or self.radius_px)
+
     def normalise(self, points_px: ArrayLike, unit_px: float | None = None) -> Array:
         """Pixels to normalised coordinates about the image centre.
 
@@ -67,14 +71,12 @@ class Frame:
             Same shape, square, in units of `unit_px`.
         """
         points = np.asarray(points_px, dtype=np.float64)
-        scale = np.array([self.pixel_aspect, 1.0]) / (unit_px or self.radius_px)
-        return (points - np.array(self.centre_px)) * scale
+        return (points - np.array(self.centre_px)) * self.per_px(unit_px)
 
     def to_pixels(self, points: ArrayLike, unit_px: float | None = None) -> Array:
         """Undo `normalise`: shape (..., 2), back to the photo's own pixels."""
         normalised = np.asarray(points, dtype=np.float64)
-        scale = (unit_px or self.radius_px) / np.array([self.pixel_aspect, 1.0])
-        return normalised * scale + np.array(self.centre_px)
+        return normalised / self.per_px(unit_px) + np.array(self.centre_px)
 
     def contains(self, points_px: ArrayLike) -> NDArray[np.bool_]:
         """Which points, shape (..., 2), lie on the photo's area. Edges of pixels count."""

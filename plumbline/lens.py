@@ -124,8 +124,8 @@ class Lens:
 
     @property
     def _offset(self) -> Array:
-        aspect = np.array([self.frame.pixel_aspect, 1.0])
-        return np.array([self.coefficients[name] for name in CENTRE]) * aspect / self.unit_px
+        centre = np.array([self.coefficients[name] for name in CENTRE])
+        return centre * self.frame.per_px(self.unit_px)
 
     @property
     def _reach(self) -> float:
@@ -140,7 +140,7 @@ class Lens:
 
     def _invert(self, points: Array) -> Array:
         solved = invert(self.model, self.vector, points, self._reach)
-        self._refuse_folded(np.isnan(solved[..., 0]))
+        self._refuse_folded(np.isnan(solved[..., 0]) & ~np.isnan(points[..., 0] + points[..., 1]))
         return solved
 
     def _refuse_folded(self, lost: NDArray[np.bool_]) -> None:

@@ -50,7 +50,7 @@ def _folding(made: Calibration) -> str:
 def _few_lines(made: Calibration) -> str:
     radial = [n for n in made.free if n not in (*CENTRE, *made.lens.model.tangential)]
     n_lines = len(made.observations.lines)
-    if n_lines >= len(radial) or n_lines > 1:
+    if n_lines > 1 or len(radial) < 2:
         return ""
     return (
         f"one line alone hardly tells {', '.join(radial)} apart: pick at least two, one near the "
@@ -66,7 +66,7 @@ def _few_points(made: Calibration) -> str:
 
 def _corner(made: Calibration) -> str:
     corner_px = made.corner_error_px
-    if not corner_px > max(1.0, abs(made.finding.corner_px) / 3):
+    if corner_px is None or corner_px <= max(1.0, abs(made.finding.corner_px) / 3):
         return ""
     return (
         f"the correction of the corners is uncertain by {corner_px:.2g} px (one standard error): "

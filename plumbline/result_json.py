@@ -197,7 +197,6 @@ def _calibration(data: Mapping[str, Any]) -> Calibration:
         dof=int(data["dof"]),
         residuals_px=residuals_px,
         rms_corrected_px=_number(data["rms_corrected_px"]),
-        corner_error_px=_number(data["corner_error_px"]),
         converged=data["converged"],
         reason=str(data["reason"]),
         remarks=tuple(str(note) for note in data["remarks"]),

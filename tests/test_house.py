@@ -19,7 +19,7 @@ FLOORS = [
     ("files",),
     ("frame", "facts", "observations"),
     ("models",),
-    ("lens", "finding"),
+    ("lens", "finding", "displacement"),
     ("straightness", "notes", "calibration", "result_json"),
     ("fit",),
     ("formats",),

@@ -61,7 +61,6 @@ def calibration(free: tuple[str, ...] = ("a", "b"), label: str = "t3") -> Calibr
         dof=1,
         residuals_px=(np.array([0.1, -0.2, THIRD]), np.array([1e-17, 0, 2])),
         rms_corrected_px=0.7,
-        corner_error_px=1.25,
         converged=False,
         reason="the fit stopped",
         remarks=("first note", "zweite „Notiz“"),
@@ -114,7 +113,7 @@ def test_the_documented_names() -> None:
     assert found["largest_before_px"] == pytest.approx(np.max(np.abs(distances)), rel=1e-9)
     assert found["largest_after_px"] == 2
     assert [line["label"] for line in found["lines"]] == ["t3", "zwei, „größer“"]
-    assert set(found["finding"]) == {"kind", "percent", "corner_px"}
+    assert set(found["finding"]) == {"kind", "percent", "corner_px", "folds_at_px"}
     assert set(found["observations"]) == {"lens", "photos", "lines", "origins", "notes"}
 
 
@@ -176,6 +175,7 @@ DERIVED = {
     "lines",
     "notes",
     "before_px",
+    "corner_error_px",
 }
 
 

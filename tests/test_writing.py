@@ -52,7 +52,6 @@ def calibration(
         dof=1,
         residuals_px=residuals,
         rms_corrected_px=0.1,
-        corner_error_px=0.5,
         converged=True,
         reason="done",
     )

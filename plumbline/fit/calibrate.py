@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Generator, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import replace
 
 from plumbline.calibration import Calibration, ResidualKind
@@ -41,7 +42,8 @@ def calibrate(
             errors live; "corrected" those in the corrected photo, as Hugin does.
 
     Returns:
-        The calibration. One that did not end in a minimum says so in `converged`.
+        The calibration. One that did not end in a minimum says so in `converged`. Its `lens` is
+        for photos of the first photo's size and orientation.
 
     Raises:
         OptionError: an argument is unknown or contradicts the observations.
@@ -83,7 +85,8 @@ def calibrate_many(
         One calibration each, in the same order, the same as `calibrate` gives.
 
     Raises:
-        PlumblineError: as `calibrate`; the sentence names the number of the lens from 0.
+        PlumblineError: as `calibrate`, for the first lens that fails; the sentence names its
+            number from 0. None of the results is returned then.
     """
     chosen, held = None if free is None else tuple(free), tuple(hold)
     prepared: list[Problem] = []
@@ -111,19 +114,15 @@ def calibrate_many(
     return [results[index] for index in range(len(prepared))]
 
 
-class _numbered:  # noqa: N801
+@contextmanager
+def _numbered(index: int) -> Generator[None]:
     """Say which lens of many an error is about."""
-
-    def __init__(self, index: int) -> None:
-        self.index = index
-
-    def __enter__(self) -> None:
-        return None
-
-    def __exit__(self, kind: object, error: BaseException | None, _: object) -> None:
-        if isinstance(error, PlumblineError):
-            error.message = f"lens {self.index}: {error.message}"
-            error.args = (error.message,)
+    try:
+        yield
+    except PlumblineError as error:
+        error.message = f"lens {index}: {error.message}"
+        error.args = (error.message,)
+        raise
 
 
 def _compared_with_zero(problem: Problem, solution: Solution, staged: Solution) -> Calibration:

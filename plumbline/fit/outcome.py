@@ -40,7 +40,7 @@ def finish(problem: Problem, solution: Solution) -> Calibration:
     free = problem.task.free
     unit = unit_covariance(solution.normal[np.ix_(free, free)])
     unit = unit * np.outer(to_px[free], to_px[free])
-    corner_error_px = refuse_unobservable(lens, chosen.free, unit, sigma_px)
+    refuse_unobservable(lens, chosen.free, unit, sigma_px)
     converged = bool(float(solution.last_step) * lens.unit_px < _SETTLED_PX)
     return Calibration(
         observations=problem.observations,
@@ -53,7 +53,6 @@ def finish(problem: Problem, solution: Solution) -> Calibration:
         dof=problem.dof,
         residuals_px=tuple(np.split(fitted, np.cumsum(packed.sizes)[:-1])),
         rms_corrected_px=float(np.sqrt(corrected @ corrected / len(corrected))),
-        corner_error_px=corner_error_px,
         converged=converged,
         reason="the fit ended in a minimum"
         if converged

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from plumbline.calibration import ResidualKind
-from plumbline.errors import OptionError
+from plumbline.errors import DegenerateLinesError, OptionError
 from plumbline.facts import LensFacts
 from plumbline.fit.blocks import Packed, pack
 from plumbline.fit.options import Plan, plan
@@ -54,16 +54,27 @@ def prepare(
     if residual not in ("image", "corrected"):
         raise OptionError(f"the residual is image or corrected, not {residual!r}")
     facts = _only_lens(observations)
+    if not observations.lines:
+        raise DegenerateLinesError(
+            f"{observations.named}there are no lines", hint="pick points along straight edges"
+        )
     chosen = plan(model, facts, free, hold, start)
     frame = _common_frame(observations, chosen, model)
     blank = Lens(model, frame, dict(chosen.start), focal_px=facts.focal_length_px(frame))
     packed = pack(observations, blank.unit_px)
+    if not np.all(np.isfinite(packed.block.xy)):
+        observations.checked()  # says which point it is
     dof = degrees_of_freedom(observations.n_points, len(observations.lines), len(chosen.free))
     names = (*model.coefficients, *CENTRE)
     to_unit = pixels_of_centre(blank)
     centre = np.array([chosen.start[name] for name in CENTRE]) / to_unit[-2:]
     points = packed.unpack(packed.block.xy) - centre
-    refuse_blind(points * blank.unit_px / frame.radius_px, packed.sizes, frame.radius_px)
+    refuse_blind(
+        points * blank.unit_px / frame.radius_px,
+        packed.sizes,
+        frame.radius_px,
+        known_centre=not set(CENTRE) & set(chosen.free),
+    )
     task = Task(
         block=packed.block,
         start=np.array([chosen.start[name] for name in names]) / to_unit,
@@ -111,5 +122,5 @@ def _common_frame(observations: Observations, chosen: Plan, model: Model) -> Fra
 def pixels_of_centre(lens: Lens) -> Array:
     """What each coefficient is multiplied with on the way out: `d`, `e` come in pixels."""
     size = np.ones(len(lens.model.coefficients) + 2)
-    size[-2:] = lens.unit_px / np.array([lens.frame.pixel_aspect, 1.0])
+    size[-2:] = 1 / lens.frame.per_px(lens.unit_px)
     return size

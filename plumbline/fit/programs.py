@@ -4,7 +4,8 @@ A fit takes milliseconds; tracing its program takes half a second and compiling 
 traced program is therefore kept in the user's cache folder (as `jax.export` writes it), and what
 XLA compiles from it in JAX's own persistent cache beside it. Nothing depends on either: a cache
 that is absent, broken, stale or cannot be written is done without, and the program is made anew.
-`PLUMBLINE_CACHE_DIR` names another folder.
+`PLUMBLINE_CACHE_DIR` names another folder. A process whose JAX has a compilation cache already
+keeps that; another's is set to this folder, for all that it compiles from then on.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from collections.abc import Callable
 from functools import cache, partial
 from importlib.metadata import version
 from pathlib import Path
+from threading import Lock
 from typing import Any
 
 import jax
@@ -31,8 +33,14 @@ from plumbline.models.base import Model
 _DISTRIBUTIONS = ("jax", "jaxlib", "optimistix", "equinox", "lineax")
 _DIGEST_BYTES = 32
 
+Shapes = tuple[tuple[tuple[int, ...], str], ...]
+
 for _tuple in (Block, Residuals, Task, Solution):
     export.register_namedtuple_serialization(_tuple, serialized_name=f"plumbline.{_tuple.__name__}")
+
+
+_making = Lock()
+"""Two threads that want one program make it once."""
 
 
 def program(model: Model, task: Task, batch: int | None) -> Callable[[Task], Solution]:
@@ -46,13 +54,12 @@ def program(model: Model, task: Task, batch: int | None) -> Callable[[Task], Sol
     Call it, and its result, with 64-bit numbers enabled (`jax.enable_x64`).
     """
     shapes = tuple((leaf.shape, str(leaf.dtype)) for leaf in jax.tree.leaves(task))
-    return _program(model, shapes, batch)
+    with _making:
+        return _program(model, shapes, batch)
 
 
 @cache
-def _program(
-    model: Model, shapes: tuple[tuple[tuple[int, ...], str], ...], batch: int | None
-) -> Callable[[Task], Solution]:
+def _program(model: Model, shapes: Shapes, batch: int | None) -> Callable[[Task], Solution]:
     folder = usable_folder()
     name = f"{_key(model, shapes, batch)}.program"
     exported = None
@@ -63,18 +70,19 @@ def _program(
         exported = _made(model, shapes, batch)
         if folder is not None:
             _save(folder / name, exported)
-    return jax.jit(exported.call)
+    return jax.jit(exported.call).lower(_task_of(shapes)).compile()
 
 
-def _made(
-    model: Model, shapes: tuple[tuple[tuple[int, ...], str], ...], batch: int | None
-) -> export.Exported:
+def _task_of(shapes: Shapes) -> Task:
+    leaves = [jax.ShapeDtypeStruct(shape, dtype) for shape, dtype in shapes]
+    return jax.tree.unflatten(jax.tree.structure(EMPTY_TASK), leaves)
+
+
+def _made(model: Model, shapes: Shapes, batch: int | None) -> export.Exported:
     from plumbline.fit.minimise import minimise
 
     one = partial(minimise, model)
-    leaves = [jax.ShapeDtypeStruct(shape, dtype) for shape, dtype in shapes]
-    task = jax.tree.unflatten(jax.tree.structure(EMPTY_TASK), leaves)
-    return export.export(jax.jit(one if batch is None else jax.vmap(one)))(task)
+    return export.export(jax.jit(one if batch is None else jax.vmap(one)))(_task_of(shapes))
 
 
 def cache_folder() -> Path:

@@ -15,6 +15,8 @@ from plumbline.models.base import Model
 BATCH = 64
 """Problems that `solve_many` takes in one program."""
 
+_FEW = 8
+
 
 def solve(model: Model, task: Task) -> Solution:
     """Fit one problem.
@@ -31,8 +33,11 @@ def solve(model: Model, task: Task) -> Solution:
 def solve_many(model: Model, tasks: Sequence[Task]) -> list[Solution]:
     """Fit at most `BATCH` problems whose blocks have one shape, in one program.
 
-    The batch is filled up with repetitions, so that every batch of that shape shares it.
+    The batch is filled up with repetitions, so that every batch of that shape shares it; a few
+    problems are quicker one by one.
     """
+    if len(tasks) <= _FEW:
+        return [solve(model, task) for task in tasks]
     filled = [*tasks, *[tasks[-1]] * (BATCH - len(tasks))]
     stacked = jax.tree.map(lambda *leaves: np.stack(leaves), *filled)
     with jax.enable_x64(True):

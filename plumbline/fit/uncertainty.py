@@ -14,6 +14,7 @@ from plumbline.errors import CollapsedFitError, DegenerateLinesError
 from plumbline.frame import Array
 from plumbline.lens import Lens
 from plumbline.models import CENTRE, Model
+from plumbline.straightness import direction
 
 _NOISE_FLOOR_PX = 0.1
 _WORST_CORNER = 0.5
@@ -24,7 +25,9 @@ _RADII = 12
 _HINT_MORE = "pick more lines, longer ones and nearer to the edges of the photo, in both directions"
 
 
-def refuse_blind(points: Array, sizes: NDArray[np.int64], radius_px: float) -> None:
+def refuse_blind(
+    points: Array, sizes: NDArray[np.int64], radius_px: float, *, known_centre: bool
+) -> None:
     """Stop where no line can show any distortion, before a fit is tried.
 
     An ideal line at a distance h from the distortion centre, reaching L to either side of its
@@ -34,6 +37,7 @@ def refuse_blind(points: Array, sizes: NDArray[np.int64], radius_px: float) -> N
         points: Observed points about the distortion centre, in units of R, line after line.
         sizes: Number of points of each line.
         radius_px: R in pixels.
+        known_centre: Whether the distortion centre is held.
 
     Raises:
         DegenerateLinesError: a change of magnification by one would bend no line by two pixels.
@@ -41,19 +45,20 @@ def refuse_blind(points: Array, sizes: NDArray[np.int64], radius_px: float) -> N
     starts = np.cumsum(sizes) - sizes
     centres = np.add.reduceat(points, starts) / sizes[:, None]
     x, y = (points - np.repeat(centres, sizes, axis=0)).T
-    xx, xy, yy = (np.add.reduceat(values, starts) for values in (x * x, x * y, y * y))
-    angle = 0.5 * np.arctan2(2 * xy, xx - yy)
-    along = np.abs(x * np.repeat(np.cos(angle), sizes) + y * np.repeat(np.sin(angle), sizes))
+    cosine, sine = direction(*(np.add.reduceat(v, starts) for v in (x * x, x * y, y * y)))
+    along = np.abs(x * np.repeat(cosine, sizes) + y * np.repeat(sine, sizes))
     half_length = np.maximum.reduceat(along, starts)
-    distance = np.abs(centres[:, 1] * np.cos(angle) - centres[:, 0] * np.sin(angle))
+    distance = np.abs(centres[:, 1] * cosine - centres[:, 0] * sine)
     if np.max(distance * half_length**2) * radius_px >= _LEAST_BEND_PX:
         return
-    why = (
-        "every line runs through the centre of the distortion, where lines stay straight whatever "
-        "it is"
-        if np.max(distance) < _CENTRAL
-        else "every line is too short to show a bend"
-    )
+    why = "every line runs through the centre or is too short to show a bend"
+    if np.max(distance) < _CENTRAL and known_centre:
+        why = (
+            "every line runs through the centre of the distortion, where lines stay straight "
+            "whatever it is"
+        )
+    elif np.min(distance) > _CENTRAL:
+        why = "every line is too short to show a bend"
     raise DegenerateLinesError(
         f"the lines carry no information about the distortion: {why}", hint=_HINT_MORE
     )
@@ -128,39 +133,41 @@ def corner_error(
     return float(np.sqrt(np.max(variance)))
 
 
-def refuse_unobservable(lens: Lens, free: tuple[str, ...], unit: Array, sigma_px: float) -> float:
-    """Stop where the lines leave the distortion open; else tell the corner's error.
+def refuse_unobservable(lens: Lens, free: tuple[str, ...], unit: Array, sigma_px: float) -> None:
+    """Stop where the lines leave the distortion open.
 
     Args:
         lens: The fitted lens.
         free: Names of the free coefficients.
         unit: Their covariance for σ = 1 px, `d` and `e` in pixels.
-        sigma_px: σ̂.
-
-    Returns:
-        Largest standard error of the radial displacement up to the corner, in pixels.
+        sigma_px: σ̂; at least 0.1 px is assumed, since nobody picks better.
 
     Raises:
-        DegenerateLinesError: that error exceeds half of R even for careful picks, or the
-            distortion centre is not known to within the photo.
+        DegenerateLinesError: the standard error of the radial displacement exceeds half of R
+            somewhere up to the corner, or that of the distortion centre R itself.
     """
     model, unit_px, radius_px = lens.model, lens.unit_px, lens.frame.radius_px
+    noise = max(sigma_px, _NOISE_FLOOR_PX)
+    centre = max([0.0, *(np.sqrt(unit[free.index(n), free.index(n)]) for n in CENTRE if n in free)])
+    if centre * noise > radius_px:
+        raise DegenerateLinesError(
+            "the lines do not show where the distortion centre is: it is known to no better than "
+            f"{noise * centre:,.0f} px",
+            hint="hold the centre (--hold d,e), or " + _HINT_MORE,
+        )
     names = [n for n in free if n in model.coefficients and n not in model.tangential]
+    if not names:
+        return
     chosen = [free.index(name) for name in names]
     places = np.array([model.coefficients.index(name) for name in names], dtype=np.int64)
-    corner = 0.0
-    if names:
-        part, far = unit[np.ix_(chosen, chosen)], lens.frame.corner_radius * radius_px / unit_px
-        corner = corner_error(model, lens.vector, part, places, far) * unit_px
-    centre = max([0.0, *(np.sqrt(unit[free.index(n), free.index(n)]) for n in CENTRE if n in free)])
-    noise = max(sigma_px, _NOISE_FLOOR_PX)
-    if corner * noise > _WORST_CORNER * radius_px or centre * noise > radius_px:
+    part, far = unit[np.ix_(chosen, chosen)], lens.frame.corner_radius * radius_px / unit_px
+    error_px = corner_error(model, lens.vector, part, places, far) * unit_px * noise
+    if error_px > _WORST_CORNER * radius_px:
         raise DegenerateLinesError(
-            "the lines do not show the distortion: with them the corner of the photo is known "
-            f"to no better than {noise * max(corner, centre):,.0f} px",
+            "the lines do not show the distortion: with them the radial displacement is known to "
+            f"no better than {error_px:,.0f} px somewhere in the photo",
             hint=_HINT_MORE,
         )
-    return corner * sigma_px
 
 
 def refuse_collapsed(lens: Lens, determinant: Array, excess: Array) -> None:

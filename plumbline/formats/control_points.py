@@ -14,6 +14,7 @@ from plumbline.formats.base import Source, shown
 from plumbline.formats.script import decimal
 from plumbline.frame import Array
 from plumbline.observations import Line
+from plumbline.straightness import along_and_across
 from plumbline.wording import count
 
 FIRST_LINE_TYPE = 3
@@ -137,19 +138,12 @@ def _grouped(
     for start, stop in zip(starts.tolist(), stops.tolist(), strict=True):
         points = np.concatenate((ends[start:stop, :2], ends[start:stop, 2:]))
         _, first = np.unique(points, axis=0, return_index=True)
-        first = first[np.argsort(_along(points[first]), kind="stable")]
+        with np.errstate(all="ignore"):  # absurd numbers are refused later, by name
+            along, _ = along_and_across(points[first])
+        first = first[np.argsort(along, kind="stable")]
         line_rows = np.tile(rows[start:stop], 2)[first]
         lines.append(Line(points[first], int(images[start]), f"t{kinds[start]}", line_rows))
     return tuple(lines)
-
-
-def _along(points: Array) -> Array:
-    """Position of points along their common direction."""
-    with np.errstate(all="ignore"):
-        centred = points - points.mean(axis=0)
-        (xx, xy), (_, yy) = centred.T @ centred
-        angle = 0.5 * np.arctan2(2 * xy, xx - yy)
-        return centred @ np.array([np.cos(angle), np.sin(angle)])
 
 
 def pairs(line: Line, kind: int) -> list[str]:

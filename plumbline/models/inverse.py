@@ -20,6 +20,7 @@ REACH = 8.0
 
 _SAMPLES = 512
 _MOST_STEPS = 100
+_ABSURD = 1e9
 
 
 def limit_candidates(reach: Any, number: int, xp: Any) -> Any:
@@ -90,8 +91,7 @@ def invert(model: Model, c: Any, points: Array, reach: float) -> Array:
     """
     x, y = points[..., 0], points[..., 1]
     target = radius(x, y)
-    limit = first_fold(model, c, reach)
-    top = np.float64(reach if limit is None else limit)
+    top = np.float64(_range(model, c, target, reach))
     with np.errstate(divide="ignore"):  # the division model's pole may be hit exactly
         lost = target > top * model.factor(top, c)
     r = _inverse_radius(model, c, target, np.minimum(target, top), top)
@@ -102,6 +102,18 @@ def invert(model: Model, c: Any, points: Array, reach: float) -> Array:
         u, v, found = _settle(model, c, x, y, u, v)
         u, v = np.where(found, u, np.nan), np.where(found, v, np.nan)
     return np.stack((u, v), axis=-1)
+
+
+def _range(model: Model, c: Any, target: Array, reach: float) -> float:
+    """The radius up to which the inverse is looked for: the fold, or beyond the last target."""
+    farthest = float(np.max(target, initial=0.0, where=np.isfinite(target)))
+    while True:
+        fold = first_fold(model, c, reach)
+        if fold is not None:
+            return fold
+        if reach * float(model.factor(np.float64(reach), c)) >= farthest or reach > _ABSURD:
+            return reach
+        reach *= 2
 
 
 def _inverse_radius(model: Model, c: Any, target: Array, r: Array, top: np.float64) -> Array:
