@@ -33,6 +33,8 @@ if TYPE_CHECKING:
     from plumbline.fit.calibrate import calibrate, calibrate_many
     from plumbline.formats import FORMATS
     from plumbline.frame import Frame
+    from plumbline.imaging.batch import Outcome, correct_many
+    from plumbline.imaging.correct import Corrected, correct, correct_array
     from plumbline.lens import Lens
     from plumbline.models import MODELS, get_model
     from plumbline.observations import Line, Observations, Photo
@@ -54,6 +56,8 @@ _HOMES = {
     "plumbline.fit.calibrate": ("calibrate", "calibrate_many"),
     "plumbline.formats": ("FORMATS",),
     "plumbline.frame": ("Frame",),
+    "plumbline.imaging.batch": ("Outcome", "correct_many"),
+    "plumbline.imaging.correct": ("Corrected", "correct", "correct_array"),
     "plumbline.lens": ("Lens",),
     "plumbline.models": ("MODELS", "get_model"),
     "plumbline.facts": ("LensFacts",),
@@ -68,6 +72,7 @@ __all__ = [
     "MODELS",
     "Calibration",
     "CollapsedFitError",
+    "Corrected",
     "DegenerateLinesError",
     "FoldedError",
     "Frame",
@@ -76,6 +81,7 @@ __all__ = [
     "Line",
     "Observations",
     "OptionError",
+    "Outcome",
     "Photo",
     "PlumblineError",
     "ReadError",
@@ -84,6 +90,9 @@ __all__ = [
     "__version__",
     "calibrate",
     "calibrate_many",
+    "correct",
+    "correct_array",
+    "correct_many",
     "get_model",
     "join",
     "read",

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -11,6 +11,8 @@ from plumbline.frame import Frame
 
 FULL_FRAME_MM = float(np.hypot(36, 24))
 """Diagonal of the 35-mm frame, 43.27 mm, which crop factors are relative to."""
+
+_SAME_CROP = 1e-3
 
 
 @dataclass(frozen=True)
@@ -28,6 +30,7 @@ class LensFacts:
         crop_factor: Diagonal of the 35-mm frame over that of the sensor.
         crop_factor_error: Its relative uncertainty where it is known to be rounded.
         hfov_deg: Horizontal field of view.
+        hfov_width_px: Width of the photo that has this field of view; None where all have it.
         focal_px: Focal length in pixels.
         aspect_ratio: Longer side over shorter side, where the user rounds it.
         stored: Lens values found in the file (`a`…`e`, `g`, `t` for a Hugin project).
@@ -43,6 +46,7 @@ class LensFacts:
     crop_factor: float | None = None
     crop_factor_error: float | None = None
     hfov_deg: float | None = None
+    hfov_width_px: float | None = None
     focal_px: float | None = None
     aspect_ratio: float | None = None
     stored: Mapping[str, float] = field(default_factory=dict[str, float])
@@ -52,22 +56,65 @@ class LensFacts:
     def focal_length_px(self, frame: Frame) -> float | None:
         """Focal length in square pixels of a photo, as far as it is known.
 
-        From millimetres it needs the crop factor, which relates the sensor's diagonal to that
-        of the 35-mm frame; from the field of view it holds for rectilinear lenses.
+        What is given in pixels counts first, then millimetres with the crop factor, which
+        relates the sensor's diagonal to that of the 35-mm frame, then the field of view, which
+        tells it for rectilinear lenses.
         """
-        width, height = frame.square_size
         if self.focal_px:
             return self.focal_px
         if self.focal_mm and self.crop_factor:
             sensor_mm = FULL_FRAME_MM / self.crop_factor
-            return float(self.focal_mm / sensor_mm * np.hypot(width, height))
+            return float(self.focal_mm / sensor_mm * np.hypot(*frame.square_size))
         if self.hfov_deg:
+            width = (self.hfov_width_px or frame.width) * frame.pixel_aspect
             return float(width / 2 / np.tan(np.radians(self.hfov_deg) / 2))
         return None
 
     def focal_length_mm(self, frame: Frame) -> float | None:
-        """Focal length in millimetres, from the field of view where it is not given itself."""
-        if self.focal_mm or not (self.hfov_deg and self.crop_factor):
+        """Focal length in millimetres, from that in pixels where it is not given itself."""
+        focal_px = self.focal_length_px(frame)
+        if self.focal_mm or not (focal_px and self.crop_factor):
             return self.focal_mm
-        focal_px = float(frame.square_size[0] / 2 / np.tan(np.radians(self.hfov_deg) / 2))
         return focal_px * FULL_FRAME_MM / self.crop_factor / float(np.hypot(*frame.square_size))
+
+    def completed(self, more: LensFacts) -> LensFacts:
+        """These facts, with what they do not know taken from others about the same lens.
+
+        Of two crop factors that agree the better known counts; what is asked to be optimised
+        by either is asked for.
+        """
+        crop = best_crop_factor([self, more]) or (self if self.crop_factor else more)
+        hfov = self if self.hfov_deg else more
+        requested = {*(self.requested or ()), *(more.requested or ())}
+        return replace(
+            self,
+            maker=self.maker or more.maker,
+            model=self.model or more.model,
+            camera=self.camera or more.camera,
+            mount=self.mount or more.mount,
+            focal_mm=self.focal_mm or more.focal_mm,
+            crop_factor=crop.crop_factor,
+            crop_factor_error=crop.crop_factor_error,
+            hfov_deg=hfov.hfov_deg,
+            hfov_width_px=hfov.hfov_width_px,
+            focal_px=self.focal_px or more.focal_px,
+            aspect_ratio=self.aspect_ratio or more.aspect_ratio,
+            stored=self.stored or more.stored,
+            requested=tuple(sorted(requested)) or None,
+        )
+
+
+def best_crop_factor(every: Sequence[LensFacts]) -> LensFacts | None:
+    """The facts whose crop factor is known best.
+
+    Returns:
+        None if none is known, or two differ by more than their errors.
+    """
+    known = [(facts.crop_factor, facts.crop_factor_error or 0.0, facts) for facts in every]
+    told = [(crop, error, facts) for crop, error, facts in known if crop]
+    if not told:
+        return None
+    best, best_error, whose = min(told, key=lambda each: each[1])
+    if any(abs(crop / best - 1) > error + best_error + _SAME_CROP for crop, error, _ in told):
+        return None
+    return whose

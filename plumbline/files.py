@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import re
-import tempfile
+import secrets
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -31,6 +31,7 @@ _MOST_BYTES = 2**31
 _NAME_A_FILE = "name a file of picked points"
 _MOST_LOOKED_AT = 2**20
 _MOST_OF_HEADER = 1024
+_NEW_FILE = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
 
 
 def read_bytes(path: str | Path) -> bytes:
@@ -119,20 +120,22 @@ def write_atomically(contents: Mapping[Path, bytes]) -> None:
         contents: What each file holds.
 
     Raises:
-        WriteError: a folder is missing or cannot be written; no file was changed then.
+        WriteError: a folder is missing or cannot be written, or a file is in use. No file has
+            changed then, unless moving into place failed for a later one of several.
     """
     temporary: dict[Path, Path] = {}
     target = Path()
     try:
         for target, content in contents.items():
-            handle, name = tempfile.mkstemp(prefix=".plumbline-", dir=target.parent)
-            temporary[target] = Path(name)
+            path = target.parent / f".plumbline-{secrets.token_hex(8)}"
+            handle = os.open(path, _NEW_FILE, 0o666)  # less the umask, as for any new file
+            temporary[target] = path
             with os.fdopen(handle, "wb") as file:
                 file.write(content)
                 file.flush()
                 os.fsync(file.fileno())
-            mode = target.stat().st_mode & 0o777 if target.exists() else 0o666 & ~_umask()
-            temporary[target].chmod(mode)
+            if target.exists():
+                path.chmod(target.stat().st_mode & 0o777)
         for target in contents:
             temporary[target].replace(target)
             del temporary[target]
@@ -158,9 +161,3 @@ def _unwritable(target: Path, error: OSError) -> WriteError:
 
 def _reason(error: Exception) -> str:
     return (error.strerror if isinstance(error, OSError) else None) or str(error)
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask

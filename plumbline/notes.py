@@ -11,7 +11,9 @@ from plumbline.models import CENTRE
 if TYPE_CHECKING:
     from plumbline.calibration import Calibration
 
-_CORRELATED = 0.95
+_CORRELATED = 0.98
+_OUTSTANDING = 5.0
+_CARELESS_PX = 3.0
 _FEW_DOF = 6
 
 
@@ -22,12 +24,13 @@ def after_fit(made: Calibration) -> tuple[str, ...]:
         for note in (
             _unsettled(made),
             _folding(made),
+            _outstanding(made),
             _few_lines(made),
             _few_points(made),
             _corner(made),
+            _corrected(made),
             _uninformative(made),
             _correlated(made),
-            _corrected(made),
         )
         if note
     )
@@ -47,6 +50,23 @@ def _folding(made: Calibration) -> str:
     )
 
 
+def _outstanding(made: Calibration) -> str:
+    lines = made.lines
+    typical = float(np.median([line.rms_after_px for line in lines]))
+    worst = max(lines, key=lambda line: line.rms_after_px)
+    if worst.rms_after_px > max(_OUTSTANDING * typical, 1.0):
+        return (
+            f"line {worst.label} is off by {worst.rms_after_px:.3g} px (rms) and the others by "
+            f"{typical:.2g} px: check whether its picks lie on one straight edge"
+        )
+    if made.sigma_px > _CARELESS_PX:
+        return (
+            f"σ̂ of {made.sigma_px:.3g} px is more than careful picks leave: check that every pick "
+            "is on its line, that the edges are straight, and that the photo's size is right"
+        )
+    return ""
+
+
 def _few_lines(made: Calibration) -> str:
     radial = [n for n in made.free if n not in (*CENTRE, *made.lens.model.tangential)]
     n_lines = len(made.observations.lines)
@@ -61,7 +81,8 @@ def _few_lines(made: Calibration) -> str:
 def _few_points(made: Calibration) -> str:
     if made.dof >= _FEW_DOF:
         return ""
-    return f"only {made.dof} degrees of freedom: the error bars themselves are uncertain"
+    freedom = "1 degree" if made.dof == 1 else f"{made.dof} degrees"
+    return f"only {freedom} of freedom: the error bars themselves are uncertain"
 
 
 def _corner(made: Calibration) -> str:
@@ -80,9 +101,10 @@ def _uninformative(made: Calibration) -> str:
     ]
     if not weak:
         return ""
-    verb = "is" if len(weak) == 1 else "are"
+    verb, whose = ("is", "its") if len(weak) == 1 else ("are", "their")
     return (
-        f"{', '.join(weak)} {verb} smaller than the standard error: fewer may do (--free, --hold)"
+        f"{', '.join(weak)} {verb} smaller than {whose} standard error: fewer coefficients may do "
+        "(--free, --hold)"
     )
 
 

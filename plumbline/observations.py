@@ -7,82 +7,17 @@ them, and the result embeds them.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from plumbline.errors import DegenerateLinesError, OptionError, ReadError
 from plumbline.facts import LensFacts
-from plumbline.frame import Array, Frame
+from plumbline.picks import MAX_SIDE, Line, Origin, Photo
 from plumbline.wording import count, listed
 
-MAX_SIDE = 1_000_000
-
-
-@dataclass(frozen=True)
-class Photo:
-    """One photograph.
-
-    Attributes:
-        size: Width and height in pixels, as picked; None while still unknown.
-        name: File name as the source gives it; may be empty.
-        lens: Index into `Observations.lenses`.
-        pixel_aspect: Width of one pixel over its height.
-        number: Its number in the file it was named by.
-    """
-
-    size: tuple[int, int] | None
-    name: str = ""
-    lens: int = 0
-    pixel_aspect: float = 1.0
-    number: int = 0
-
-    @property
-    def frame(self) -> Frame:
-        """The photo's rectangle.
-
-        Raises:
-            OptionError: the size is not known.
-        """
-        if self.size is None:
-            raise OptionError(
-                "the size of the photo is not known",
-                hint="give the photo with --photo FILE or its size with --size WIDTHxHEIGHT",
-            )
-        return Frame(*self.size, self.pixel_aspect)
-
-
-@dataclass(frozen=True)
-class Line:
-    """Points picked along one straight edge, in the order along it.
-
-    Attributes:
-        points_px: Observed points, shape (n, 2), the photo's own pixels.
-        photo: Index into `Observations.photos`.
-        label: The line's name in the source.
-        rows: Where each point stands in the source file, counted from 1; None for arrays.
-    """
-
-    points_px: Array
-    photo: int = 0
-    label: str = ""
-    rows: NDArray[np.int64] | None = None
-
-
-@dataclass(frozen=True)
-class Origin:
-    """Where observations came from, kept so that a project can be written back losslessly.
-
-    Attributes:
-        path: The file as named by the user.
-        format: Name of its format.
-        content: Its bytes.
-    """
-
-    path: str
-    format: str
-    content: bytes = field(repr=False, default=b"")
+__all__ = ["MAX_SIDE", "Line", "Observations", "Origin", "Photo"]
 
 
 @dataclass(frozen=True)
@@ -109,7 +44,7 @@ class Observations:
         lines: Iterable[ArrayLike],
         size: tuple[int, int],
         *,
-        labels: Sequence[str] | None = None,
+        labels: Sequence[object] | None = None,
         focal_px: float | None = None,
         pixel_aspect: float = 1.0,
     ) -> Observations:
@@ -118,13 +53,13 @@ class Observations:
         Args:
             lines: One (n, 2) array of pixel coordinates a line, n ≥ 3.
             size: Width and height of the photo in pixels.
-            labels: Names of the lines; numbers from 1 by default.
+            labels: Names of the lines, one each; numbers from 1 by default.
             focal_px: Focal length in pixels, for the models that need it.
             pixel_aspect: Width of one pixel over its height.
 
         Raises:
-            OptionError: an array has the wrong shape or holds NaN or infinity, or the size
-                is not positive.
+            OptionError: an array has the wrong shape or holds NaN or infinity, the size is no
+                two positive whole numbers, or there are more or fewer labels than lines.
 
         Example:
             >>> import plumbline
@@ -132,10 +67,15 @@ class Observations:
             >>> plumbline.Observations.from_arrays([edge], size=(400, 300)).n_points
             3
         """
+        arrays = list(lines)
+        names = range(1, len(arrays) + 1) if labels is None else labels
+        if len(names) != len(arrays):
+            raise OptionError(
+                f"there are {count(len(names), 'label')} for {count(len(arrays), 'line')}",
+                hint="give one label for each line, or none at all",
+            )
         made: list[Line] = []
-        names = list(labels) if labels is not None else []
-        for index, values in enumerate(lines):
-            label = names[index] if index < len(names) else str(index + 1)
+        for label, values in zip(map(str, names), arrays, strict=True):
             try:
                 points = np.array(values, dtype=np.float64)
             except (TypeError, ValueError) as error:
@@ -146,7 +86,7 @@ class Observations:
                     hint="give one array of shape (n, 2), x and y in pixels, for each line",
                 )
             made.append(Line(points, 0, label))
-        facts = LensFacts(focal_px=focal_px)
+        facts = LensFacts(focal_px=None if focal_px is None else float(focal_px))
         photo = Photo(size, pixel_aspect=pixel_aspect)
         return cls((photo,), tuple(made), (facts,)).checked()
 
@@ -220,15 +160,14 @@ class Observations:
                 lies outside its photo.
             DegenerateLinesError: no line is left.
         """
-        for photo in self.photos:
-            _check_size(photo, self.named)
+        photos = tuple(photo.checked(self.named) for photo in self.photos)
         notes = list(self.notes)
         kept: list[Line] = []
         short: list[str] = []
         duplicates = 0
         for line in self.lines:
             self._check_points(line)
-            first = _first_of_each(line.points_px)
+            first = line.first_of_each()
             duplicates += len(line.points_px) - len(first)
             if len(first) < 3:
                 short.append(f"{line.label} ({count(len(first), 'point')})")
@@ -250,7 +189,7 @@ class Observations:
                 + (f" (set aside: {listed(short)})" if short else ""),
                 hint="pick at least three points along each straight edge",
             )
-        return replace(self, lines=tuple(kept), notes=tuple(notes))
+        return replace(self, photos=photos, lines=tuple(kept), notes=tuple(notes))
 
     @property
     def named(self) -> str:
@@ -274,23 +213,3 @@ class Observations:
             row = None if line.rows is None else int(line.rows[worst])
             raise ReadError(sentence, path=self.origins[0].path, line=row, hint=hint)
         raise OptionError(sentence, hint=hint)
-
-
-def _check_size(photo: Photo, where: str) -> None:
-    width, height = photo.frame.size
-    name = f" of {photo.name}" if photo.name else ""
-    if not (0 < width <= MAX_SIDE and 0 < height <= MAX_SIDE):
-        raise OptionError(
-            f"{where}the size {width}x{height}{name} is impossible",
-            hint="give the size in pixels as --size WIDTHxHEIGHT",
-        )
-    if not 0.01 <= photo.pixel_aspect <= 100:
-        raise OptionError(
-            f"a pixel aspect of {photo.pixel_aspect:g} is impossible",
-            hint="give the width of a pixel over its height, such as 16:15",
-        )
-
-
-def _first_of_each(points: Array) -> NDArray[np.int64]:
-    _, first = np.unique(points, axis=0, return_index=True)
-    return np.sort(first)

@@ -14,7 +14,17 @@ from plumbline.formats import Source, format_of
 from plumbline.formats.base import Order, ReadOptions
 from plumbline.lenses.exif import PhotoFacts, read_photo
 from plumbline.observations import Observations, Origin, Photo
+from plumbline.photos import (
+    ONE_FOCAL_LENGTH,
+    agreed_size,
+    note_on_orientation,
+    photo_beside,
+    with_exif,
+)
 from plumbline.result_json import from_json
+
+_ONE_FIELD_OF_VIEW = 0.02
+_SHIFT_AND_SHEAR = ("d", "e", "g", "t")
 
 
 def read(
@@ -22,6 +32,7 @@ def read(
     *,
     photo: str | Path | None = None,
     size: tuple[int, int] | None = None,
+    image: int | None = None,
     format: str | None = None,  # noqa: A002
     grid: tuple[int, int] | None = None,
     order: Order = "raster",
@@ -33,6 +44,7 @@ def read(
         path: The file.
         photo: The photograph they were picked in; tells its size, and by EXIF its lens.
         size: Width and height of the photograph, where neither file nor photo tell it.
+        image: Take only photo number `image` of the file, counted from 0.
         format: Name of the file's format; recognised by suffix and content if None.
         grid: Rows and columns, where one polyline holds a whole grid (WinMorph).
         order: How that polyline runs: each row from the left, or back and forth.
@@ -43,7 +55,7 @@ def read(
 
     Raises:
         ReadError: the file is missing, damaged or holds no usable line.
-        OptionError: an argument contradicts the file.
+        OptionError: an argument contradicts the file, or it has no such photo.
         DegenerateLinesError: no line has three distinct points.
 
     Example:
@@ -55,29 +67,28 @@ def read(
     found = format_of(source, format)
     shot = None if photo is None else read_photo(photo)
     known = size if size is not None or shot is None else shot.size
-    raw = found.read(source, ReadOptions(known, grid, order))
-    photos, lenses, notes = list(raw.photos), list(raw.lenses), list(raw.notes)
+    raw = _chosen(source, found.read(source, ReadOptions(known, grid, order)), image)
+    notes = list(raw.notes)
     with_lines = {line.photo for line in raw.lines}
-    for index, each in enumerate(photos):
-        picture = shot if shot is not None and _is_meant(photos, with_lines, index) else None
-        if picture is None and shot is None:
-            picture = _beside(source, each, notes)
-        name = Path(photo).name if picture is not None and picture is shot and photo else each.name
-        photos[index] = replace(
-            each,
-            size=_size(source, each, size if index in with_lines else None, picture),
-            name=each.name or name,
-            number=index,
-            pixel_aspect=pixel_aspect,
-        )
-        if picture is not None and index in with_lines:
-            lenses[each.lens] = _joined(lenses[each.lens], picture.facts)
-            notes += [note for note in picture.notes if note not in notes]
-    if photo is not None and not any(_is_meant(photos, with_lines, i) for i in with_lines):
+    one_lens = len({raw.photos[index].lens for index in with_lines}) == 1
+    if shot is not None and not one_lens:
         notes.append(
-            f"{Path(photo).name} was not used: the project has lines of several lenses, and it is "
-            "not known which of them took it"
+            f"{shot.name} was not used: the project has lines of several lenses, and it is not "
+            "known which of them took it (--image N selects one)"
         )
+    photos: list[Photo] = []
+    pictures: dict[int, list[PhotoFacts]] = {}
+    for index, each in enumerate(raw.photos):
+        picture = photo_beside(source, each, notes) if shot is None else None
+        if one_lens and index in with_lines:
+            picture = picture or shot
+        agreed = agreed_size(source, each, size if index in with_lines else None, picture)
+        name = each.name or (picture.name if picture else "")
+        photos.append(replace(each, size=agreed, name=name, pixel_aspect=pixel_aspect))
+        if picture and index in with_lines:
+            pictures.setdefault(each.lens, []).append(picture)
+            notes += [n for n in note_on_orientation(picture, agreed) if n not in notes]
+    lenses = [with_exif(f, pictures.get(i, []), notes) for i, f in enumerate(raw.lenses)]
     return replace(
         raw,
         photos=tuple(photos),
@@ -87,11 +98,33 @@ def read(
     ).checked()
 
 
+def _chosen(source: Source, raw: Observations, image: int | None) -> Observations:
+    """The photos by their numbers, or only the one that the user wants."""
+    photos = tuple(replace(photo, number=number) for number, photo in enumerate(raw.photos))
+    raw = replace(raw, photos=photos)
+    if image is None:
+        return raw
+    if not 0 <= image < len(photos):
+        raise OptionError(
+            f"{source.path}: there is no photo number {image}; there are {len(photos)}",
+            hint="photos are counted from 0",
+        )
+    chosen = raw.of_photo(image)
+    if not chosen.lines:
+        raise OptionError(
+            f"{source.path}: photo number {image} has no straight lines",
+            hint="photos with lines: "
+            + ", ".join(str(number) for number in sorted({line.photo for line in raw.lines})),
+        )
+    return chosen
+
+
 def join(parts: Sequence[Observations]) -> Observations:
     """Photos of one lens, read from several files, as one set of observations.
 
     Raises:
-        OptionError: a file holds several lenses, or the files tell of different focal lengths.
+        OptionError: a file holds several lenses, or the files tell of different lenses or
+            focal lengths.
     """
     if len(parts) == 1:
         return parts[0]
@@ -104,85 +137,47 @@ def join(parts: Sequence[Observations]) -> Observations:
             )
     facts = parts[0].lenses[0]
     for part in parts[1:]:
-        other = part.lenses[0]
-        if facts.focal_mm and other.focal_mm and abs(facts.focal_mm / other.focal_mm - 1) > 0.005:
-            raise OptionError(
-                f"{part.named}the focal length is {other.focal_mm:g} mm, in the first file "
-                f"{facts.focal_mm:g} mm: these are not photos of one lens setting",
-                hint="fit each focal length by itself",
-            )
-        facts = _joined(facts, other)
+        _refuse_another_lens(facts, parts[0].photos[0], part)
+        facts = facts.completed(part.lenses[0])
     whole = Observations.side_by_side(parts)
     photos = tuple(replace(photo, lens=0) for photo in whole.photos)
     return replace(whole, photos=photos, lenses=(facts,))
 
 
-def _is_meant(photos: Sequence[Photo], with_lines: set[int], index: int) -> bool:
-    """Whether the photo the user names is this one: the only one, or one of its lens."""
-    return index in with_lines and len({photos[i].lens for i in with_lines}) == 1
-
-
-def _beside(source: Source, photo: Photo, notes: list[str]) -> PhotoFacts | None:
-    """The photo that the file names, if it lies in the file's folder."""
-    name = photo.name.replace("\\", "/").rpartition("/")[2]
-    if not name or name in (".", ".."):
-        return None
-    path = Path(source.path).parent / name
-    try:
-        if not path.is_file():
-            return None
-        found = read_photo(path)
-    except ReadError as error:
-        notes.append(f"the photo beside the file was not used: {error.message}")
-        return None
-    except (OSError, ValueError):
-        return None
-    if photo.size is not None and photo.size not in (found.size, found.size[::-1]):
-        notes.append(
-            f"{name} beside the file is {found.size[0]}x{found.size[1]} and not the file's "
-            f"{photo.size[0]}x{photo.size[1]}: its EXIF was not used"
+def _refuse_another_lens(facts: LensFacts, photo: Photo, part: Observations) -> None:
+    """Refuse a file whose lens cannot be that of the files before it."""
+    other = part.lenses[0]
+    if other.projection != facts.projection:
+        raise OptionError(
+            f"{part.named}the photo is marked as {other.projection}, those before it as "
+            f"{facts.projection}",
+            hint="fit this file by itself, or correct the lens type in the project",
         )
-        return None
-    return found
-
-
-def _size(
-    source: Source, photo: Photo, given: tuple[int, int] | None, picture: PhotoFacts | None
-) -> tuple[int, int]:
-    """The photo's size, from whoever knows it, if they agree."""
-    told = [("the file", photo.size), ("--size", given)]
-    told.append(("the photo", picture.size if picture else None))
-    known = [(who, size) for who, size in told if size is not None]
-    if not known:
-        raise source.error(
-            "the size of the photo is not known",
-            hint="give the photo with --photo FILE or its size with --size WIDTHxHEIGHT",
-        )
-    (who, size), *others = known
-    for other, differing in others:
-        sideways = other == "the photo" and picture is not None and picture.turned
-        if differing != size and not (sideways and differing == size[::-1]):
-            raise source.error(
-                f"contradictory sizes: {who} says {size[0]}x{size[1]}, {other} "
-                f"{differing[0]}x{differing[1]}",
-                hint="picks must be made in the photo at the size that is given",
+    for name in _SHIFT_AND_SHEAR if facts.stored and other.stored else ():
+        before, now = facts.stored.get(name, 0.0), other.stored.get(name, 0.0)
+        if before != now:
+            raise OptionError(
+                f"{part.named}the lens has {name} = {now:g}, in the files before it {before:g}: "
+                "these are not photos of one lens",
+                hint="fit this file by itself, or make the values the same",
             )
-    return size
-
-
-def _joined(facts: LensFacts, more: LensFacts) -> LensFacts:
-    """Facts, with what they do not know taken from others; EXIF knows the focal length best."""
-    return replace(
-        facts,
-        maker=facts.maker or more.maker,
-        model=facts.model or more.model,
-        camera=facts.camera or more.camera,
-        mount=facts.mount or more.mount,
-        focal_mm=facts.focal_mm or more.focal_mm,
-        crop_factor=facts.crop_factor or more.crop_factor,
-        crop_factor_error=(facts if facts.crop_factor else more).crop_factor_error,
-        hfov_deg=facts.hfov_deg or more.hfov_deg,
-    )
+    hint = "fit each focal length by itself"
+    if facts.focal_mm and other.focal_mm:
+        if abs(facts.focal_mm / other.focal_mm - 1) > ONE_FOCAL_LENGTH:
+            raise OptionError(
+                f"{part.named}the focal length is {other.focal_mm:g} mm, in the files before it "
+                f"{facts.focal_mm:g} mm: these are not photos of one lens setting",
+                hint=hint,
+            )
+        return
+    before_px = facts.focal_length_px(photo.frame)
+    now_px = other.focal_length_px(part.photos[0].frame)
+    if before_px and now_px and abs(before_px / now_px - 1) > _ONE_FIELD_OF_VIEW:
+        raise OptionError(
+            f"{part.named}the focal length is {now_px:.0f} px by the field of view or EXIF, in "
+            f"the files before it {before_px:.0f} px: these are not photos of one lens setting",
+            hint=hint + ", or correct the field of view (v) in the project",
+        )
 
 
 def read_calibrations(path: str | Path) -> tuple[Calibration, ...]:

@@ -32,6 +32,7 @@ _NUMBERS = (
     "crop_factor",
     "crop_factor_error",
     "hfov_deg",
+    "hfov_width_px",
     "focal_px",
     "aspect_ratio",
 )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-import tempfile
+import threading
 from pathlib import Path
 
 import pytest
@@ -162,6 +162,39 @@ def test_permissions_of_a_replaced_file_stay(folder: Path) -> None:
     assert (folder / "old").stat().st_mode & 0o777 == 0o604
 
 
+def test_the_umask_of_other_threads_is_left_alone(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def touched(_: int) -> int:
+        raise AssertionError("the umask belongs to the whole process")
+
+    monkeypatch.setattr(os, "umask", touched)
+    names_of = [folder / str(index) for index in range(8)]
+    threads = [threading.Thread(target=write_atomically, args=({n: b"1"},)) for n in names_of]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    monkeypatch.undo()
+    (folder / "plain").touch()
+    usual = (folder / "plain").stat().st_mode
+    assert [name.stat().st_mode for name in names_of] == [usual] * 8
+
+
+def test_permissions_that_cannot_be_kept_leave_the_old_file(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def denied(*_: object, **__: object) -> None:
+        raise PermissionError(1, "Operation not permitted")
+
+    (folder / "old").write_bytes(b"0")
+    monkeypatch.setattr(Path, "chmod", denied)
+    with pytest.raises(WriteError, match="Operation not permitted"):
+        write_atomically({Path("old"): b"1"})
+    assert names(folder) == ["old"]
+    assert (folder / "old").read_bytes() == b"0"
+
+
 def test_names_may_be_as_long_as_the_system_allows(folder: Path) -> None:
     write_atomically({Path("x" * 255): b"1"})
     assert names(folder) == ["x" * 255]
@@ -186,14 +219,14 @@ def test_a_folder_that_is_not_there_leaves_every_file_as_it_was(
     assert (folder / "a").read_bytes() == b"0"
 
 
-@pytest.mark.parametrize("failing", ["fsync", "mkstemp", "chmod", "replace"])
+@pytest.mark.parametrize("failing", ["fsync", "open", "replace"])
 def test_nothing_is_left_behind_by_a_failure(
     folder: Path, monkeypatch: pytest.MonkeyPatch, failing: str
 ) -> None:
     def full(*_: object, **__: object) -> None:
         raise PermissionError(28, "No space left on device")
 
-    homes = {"fsync": os, "mkstemp": tempfile, "chmod": Path, "replace": Path}
+    homes = {"fsync": os, "open": os, "replace": Path}
     monkeypatch.setattr(homes[failing], failing, full)
     with pytest.raises(
         WriteError, match=r"^a: the file cannot be written: No space left on device"

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
 from plumbline.errors import DegenerateLinesError, OptionError, ReadError
-from plumbline.facts import LensFacts
+from plumbline.facts import LensFacts, best_crop_factor
 from plumbline.frame import Frame
 from plumbline.observations import Line, Observations, Origin, Photo
 from plumbline.wording import count, listed
@@ -31,8 +32,42 @@ def test_from_arrays_keeps_points_order_and_names() -> None:
 
 
 def test_lines_are_numbered_from_one() -> None:
-    obs = Observations.from_arrays([EDGE, EDGE, EDGE], SIZE, labels=["first"])
-    assert [line.label for line in obs.lines] == ["first", "2", "3"]
+    obs = Observations.from_arrays(iter([EDGE, EDGE, EDGE]), SIZE)
+    assert [line.label for line in obs.lines] == ["1", "2", "3"]
+
+
+def test_labels_may_be_numbers() -> None:
+    labels: Any = np.array([7, 8])
+    obs = Observations.from_arrays([EDGE, EDGE], SIZE, labels=labels)
+    assert [line.label for line in obs.lines] == ["7", "8"]
+    with pytest.raises(OptionError, match="line 9 has shape"):
+        Observations.from_arrays([EDGE, [1.0, 2.0]], SIZE, labels=[7, 9])
+
+
+@pytest.mark.parametrize("labels", [[], ["a"], ["a", "b", "c"]])
+def test_as_many_labels_as_lines(labels: list[str]) -> None:
+    with pytest.raises(
+        OptionError, match=rf"^there are {len(labels)} labels? for 2 lines$"
+    ) as caught:
+        Observations.from_arrays([EDGE, EDGE], SIZE, labels=labels)
+    assert caught.value.hint
+
+
+def test_numbers_of_numpy_become_plain_ones() -> None:
+    size: Any = np.array([400, 300])
+    numpys: dict[str, Any] = {"focal_px": np.float32(500), "pixel_aspect": np.float32(1.25)}
+    obs = Observations.from_arrays([EDGE], size, **numpys)
+    photo, facts = obs.photos[0], obs.lenses[0]
+    assert photo.size == (400, 300)
+    numbers = [*photo.frame.size, photo.pixel_aspect, facts.focal_px]
+    assert [type(number) for number in numbers] == [int, int, float, float]
+
+
+@pytest.mark.parametrize("size", [(400, 300, 3), (400,), ()])
+def test_a_size_is_two_numbers(size: Any) -> None:
+    with pytest.raises(OptionError, match="is no width and height") as caught:
+        Observations.from_arrays([EDGE], size)
+    assert caught.value.hint
 
 
 def test_arrays_are_copied() -> None:
@@ -73,7 +108,9 @@ def test_points_of_a_file_are_refused_by_file_and_row() -> None:
     assert (caught.value.path, caught.value.line) == ("picks.csv", 6)
 
 
-@pytest.mark.parametrize("size", [(0, 300), (400, -1), (10**7, 300), (float("nan"), 300)])
+@pytest.mark.parametrize(
+    "size", [(0, 300), (400, -1), (10**7, 300), (float("nan"), 300), (400.5, 300)]
+)
 def test_impossible_sizes_are_refused(size: Any) -> None:
     with pytest.raises(OptionError, match="impossible"):
         Observations.from_arrays([EDGE], size)
@@ -217,6 +254,50 @@ def test_focal_length_in_pixels() -> None:
     twice = LensFacts(focal_mm=10.0, crop_factor=2.0).focal_length_px(frame)
     once = LensFacts(focal_mm=10.0, crop_factor=1.0).focal_length_px(frame)
     assert twice == pytest.approx(2 * (once or 0.0), rel=1e-14)
+
+
+def test_a_field_of_view_belongs_to_the_width_it_was_given_for() -> None:
+    facts = LensFacts(hfov_deg=90.0, hfov_width_px=4000)
+    for frame in (Frame(4000, 3000), Frame(3000, 4000)):
+        assert facts.focal_length_px(frame) == pytest.approx(2000.0, rel=1e-14)
+    assert facts.focal_length_px(Frame(3000, 4000, 1.5)) == pytest.approx(3000.0, rel=1e-14)
+
+
+def test_the_users_focal_length_counts_before_exifs_and_that_before_the_projects() -> None:
+    frame = Frame(4000, 3000)
+    diagonal_mm = float(np.hypot(36, 24))
+    facts = LensFacts(focal_px=1e3, focal_mm=diagonal_mm / 2, crop_factor=1.0, hfov_deg=90.0)
+    found = [
+        replace(facts, focal_px=None, focal_mm=None).focal_length_px(frame),
+        replace(facts, focal_px=None).focal_length_px(frame),
+        facts.focal_length_px(frame),
+    ]
+    assert found == pytest.approx([2000.0, 2500.0, 1000.0], rel=1e-14)
+    # 1000 of 5000 px on the diagonal of the 35-mm frame.
+    by_pixels = replace(facts, focal_mm=None).focal_length_mm(frame)
+    assert by_pixels == pytest.approx(diagonal_mm / 5, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("told", "best"),
+    [
+        # 27 and 53 mm are rounded to whole millimetres: 1.8 % and 0.9 % off at most.
+        ([(27 / 18, 0.5 / 27), (53 / 35, 0.5 / 53)], 53 / 35),
+        ([(1.534, None), (28 / 18, 0.5 / 28)], 1.534),
+        ([(28 / 18, 0.5 / 28), (None, None)], 28 / 18),
+        ([(1.5, None), (1.6, None)], None),
+        ([(1.5, 0.01), (1.6, 0.01)], None),
+        ([(None, None)], None),
+    ],
+)
+def test_crop_factors_that_agree_within_their_errors_are_one(
+    told: list[tuple[float | None, float | None]], best: float | None
+) -> None:
+    for order in (told, told[::-1]):
+        found = best_crop_factor(
+            [LensFacts(crop_factor=crop, crop_factor_error=error) for crop, error in order]
+        )
+        assert (found.crop_factor if found else None) == best
 
 
 def test_focal_length_in_millimetres() -> None:

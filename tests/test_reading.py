@@ -61,12 +61,29 @@ def test_size_and_lens_from_the_photo(folder: Path) -> None:
 def test_a_sideways_photo_is_taken_upright(folder: Path) -> None:
     found = read(put("a.csv"), photo=jpeg("p.jpg", (80, 100), orientation=6))
     assert found.photos[0].size == (100, 80)
-    assert any("stored sideways" in note for note in found.notes)
+    (note,) = found.notes
+    assert "p.jpg is stored sideways" in note
+    assert "the upright 100x80 picture" in note
 
 
 def test_a_project_may_have_been_made_before_the_photo_was_turned(folder: Path) -> None:
     put("a.pto", pto('w80 h100 f0 v50 n"p.jpg"', lines=PTO_LINE.replace("9", "7")))
-    assert read("a.pto", photo=jpeg("p.jpg", (80, 100), orientation=6)).photos[0].size == (80, 100)
+    jpeg("p.jpg", (80, 100), orientation=6, focal=8.0)
+    for found in (read("a.pto", photo="p.jpg"), read("a.pto")):
+        assert found.photos[0].size == (80, 100)
+        assert found.lenses[0].focal_mm == 8
+        assert not any("sideways" in note for note in found.notes)
+
+
+def test_a_photo_of_swapped_sides_that_is_not_turned_is_not_used(folder: Path) -> None:
+    jpeg("p.jpg", (80, 100), focal=8.0)
+    found = read(put("a.pto", pto('w100 h80 f0 v50 n"p.jpg"')))
+    assert found.photos[0].size == (100, 80)
+    assert found.lenses[0].focal_mm is None
+    (note,) = found.notes
+    assert note == (
+        "p.jpg beside the file is 80x100 and not the file's 100x80: its EXIF was not used"
+    )
 
 
 def test_the_photo_beside_a_project_tells_of_its_lens(folder: Path) -> None:
@@ -101,6 +118,63 @@ def test_a_photo_for_a_project_of_several_lenses_is_not_dropped_silently(folder:
     found = read("a.pto", photo=jpeg("p.jpg", focal=8.0))
     assert [facts.focal_mm for facts in found.lenses] == [None, None]
     assert any("p.jpg was not used" in note for note in found.notes)
+
+
+def test_a_photo_is_for_the_image_that_is_selected(folder: Path) -> None:
+    two = PTO_LINE + PTO_LINE.replace("n0 N0", "n1 N1")
+    put("a.pto", pto("w640 h480 f0 v50", "w100 h80 f0 v30", "w9 h9 v3", lines=two))
+    found = read("a.pto", photo=jpeg("p.jpg", focal=8.0), image=1)
+    assert [(photo.number, photo.size, photo.name) for photo in found.photos] == [
+        (1, (100, 80), "p.jpg")
+    ]
+    assert [(facts.focal_mm, facts.hfov_deg) for facts in found.lenses] == [(8, 30)]
+    assert found.notes == ()
+    for image, sentence in {
+        2: "photo number 2 has no straight lines",
+        3: "there is no photo number 3; there are 3",
+        -1: "there is no photo number -1",
+    }.items():
+        with pytest.raises(OptionError, match=rf"^a\.pto: {sentence}") as caught:
+            read("a.pto", image=image)
+        assert caught.value.hint
+
+
+def test_exif_counts_before_the_project(folder: Path) -> None:
+    head = "#-hugin cropFactor=%s\n"
+    photo = 'w100 h80 f0 v50 n"p.jpg"'
+    jpeg("p.jpg", focal=8.0, equivalent=38)  # 4.75, good to 1.3 %
+
+    def crop(project: str) -> tuple[float | None, float | None, int]:
+        found = read(put("a.pto", head % project + pto(photo)))
+        (facts,) = found.lenses
+        return facts.crop_factor, facts.crop_factor_error, len(found.notes)
+
+    assert crop("4.843") == (4.75, 0.5 / 38, 1)  # contradicts: told
+    assert crop("4.8") == (4.8, None, 0)  # agrees and is better known
+    assert crop("4.75") == (4.75, 0.5 / 38, 0)  # as Hugin copies it
+    note = read(put("a.pto", head % "4.843" + pto(photo))).notes[0]
+    assert note.startswith("the crop factor is 4.75 by EXIF but 4.843 by the project")
+
+
+def test_linked_photos_of_several_focal_lengths_are_told(folder: Path) -> None:
+    jpeg("p.jpg", focal=8.0)
+    jpeg("q.jpg", focal=12.0)
+    linked = 'w100 h80 f0 v=0 a=0 b=0 c=0 n"q.jpg"'
+    both = PTO_LINE + PTO_LINE.replace("n0 N0", "n1 N1")
+    put("a.pto", pto('w100 h80 f0 v50 a0 b0 c0 n"p.jpg"', linked, lines=both))
+    (note,) = read("a.pto").notes
+    assert "several focal lengths (p.jpg at 8 mm, q.jpg at 12 mm)" in note
+    jpeg("q.jpg", focal=8.0)
+    assert read("a.pto").notes == ()
+
+
+def test_the_field_of_view_is_that_of_the_photo_it_stands_with(folder: Path) -> None:
+    linked = "w80 h100 f0 v=0 a=0 b=0 c=0"
+    both = PTO_LINE + PTO_LINE.replace("n0 N0", "n1 N1").replace("90", "70")
+    put("a.pto", pto("w100 h80 f0 v90 a0 b0 c0", linked, lines=both))
+    portrait = read("a.pto", image=1)
+    focal_px = portrait.lenses[0].focal_length_px(portrait.photos[0].frame)
+    assert focal_px == pytest.approx(50, rel=1e-14)  # half of 100 px at 45 degrees
 
 
 @pytest.mark.parametrize(
@@ -216,6 +290,46 @@ def test_files_of_different_focal_lengths_are_not_joined(folder: Path) -> None:
     with pytest.raises(OptionError, match=r"^b\.csv: the focal length is 9 mm") as caught:
         join([first, second])
     assert caught.value.hint
+
+
+def test_files_of_different_lenses_are_not_joined(folder: Path) -> None:
+    plain = "w100 h80 f0 v50 a0 b0 c0"
+    read_first = read(put("a.pto", pto(plain + " d3")))
+    for other, sentence in {
+        "w100 h80 f3 v50 a0 b0 c0 d3": "the photo is marked as full-frame fisheye, those before",
+        plain: "the lens has d = 0, in the files before it 3",
+        plain + " d3 e-1": "the lens has e = -1, in the files before it 0",
+        plain + " d3 g2": "the lens has g = 2",
+        plain + " d3 t2": "the lens has t = 2",
+        "w100 h80 f0 v20 a0 b0 c0 d3": "the focal length is 284 px by the field of view or EXIF, "
+        "in the files before it 107 px",
+    }.items():
+        second = read(put("b.pto", pto(other)))
+        with pytest.raises(OptionError) as caught:
+            join([read_first, second])
+        assert caught.value.message.startswith(f"b.pto: {sentence}")
+        assert caught.value.hint
+    fisheye = read(put("c.pto", pto("w100 h80 f3 v50")))
+    with pytest.raises(OptionError, match=r"^a\.csv: the photo is marked as rectilinear"):
+        join([fisheye, read(put("a.csv"), size=(100, 80))])
+
+
+def test_what_files_of_one_lens_tell_is_united(folder: Path) -> None:
+    bare = read(put("a.csv"), size=(100, 80))
+    first = read(put("a.pto", pto("w100 h80 f0 a0.5 b0 c0 d3") + "v c0\n"))
+    second = read(put("b.pto", pto("w100 h80 f0 v50 a0 b0 c0 d3 e0") + "v a0 d0\n"))
+    for order in ([bare, first, second], [first, second, bare]):
+        facts = join(order).lenses[0]
+        assert facts.stored == {"a": 0.5, "b": 0, "c": 0, "d": 3}
+        assert facts.requested == ("a", "c", "d")
+        assert (facts.hfov_deg, facts.hfov_width_px) == (50, 100)
+    line = [[10, 10], [12, 40], [13, 70]]
+    arrays = plumbline.Observations.from_arrays([line], (100, 80), focal_px=107.0)
+    assert join([bare, arrays]).lenses[0].focal_px == 107
+    assert join([second, arrays]).lenses[0].focal_px == 107  # 50 degrees are 107.2 px
+    far = plumbline.Observations.from_arrays([line], (100, 80), focal_px=120.0)
+    with pytest.raises(OptionError, match="the focal length is 120 px"):
+        join([second, far])
 
 
 def test_a_file_of_several_lenses_is_not_joined(folder: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import xml.etree.ElementTree as ET
 from dataclasses import replace
 from pathlib import Path
@@ -17,9 +18,10 @@ from plumbline.errors import OptionError, PlumblineError, UnsupportedModelError,
 from plumbline.facts import LensFacts
 from plumbline.frame import Frame
 from plumbline.lens import Lens
+from plumbline.lensfun_writing import label_notes, lens_name
 from plumbline.models import MODELS, get_model
 from plumbline.observations import Line, Observations, Origin, Photo
-from plumbline.writing import label_notes, lens_name, result_bytes
+from plumbline.writing import resampling_notes, result_bytes
 
 PROJECT = b'# hugin project file\r\ni w100 h80 f0 v50 a0.5 b0 c0 d0 e0 n"caf\xe9.jpg"\r\n*\r\n'
 KNOWN = LensFacts(maker="Sigma", model="18-35", mount="EF", focal_mm=18.0, crop_factor=1.5)
@@ -86,6 +88,41 @@ def test_a_project_comes_back_with_the_new_values_only() -> None:
     assert written == expected
 
 
+def numbered(made: Calibration, number: int) -> Calibration:
+    """The same of another photo of its project."""
+    (photo,) = made.observations.photos
+    photos = (replace(photo, number=number),)
+    return replace(made, observations=replace(made.observations, photos=photos))
+
+
+def test_calibrations_of_one_project_go_into_it_together() -> None:
+    two = PROJECT.replace(b"*", b'i w100 h80 f0 v20 a0.25 b0 c0 n"y.jpg"\r\n*')
+    made = calibration(origin=Origin("a.pto", "pto", two))
+    written = result_bytes([made, numbered(made, 1)], Path("b.pto"))
+    assert written.count(b" a0.010000000000000000 ") == 2
+    assert written.endswith(b'n"y.jpg" d0 e0\r\n*\r\n')
+    with pytest.raises(OptionError, match="two calibrations are of photo number 1") as caught:
+        result_bytes([numbered(made, 1), numbered(made, 1)], Path("b.pto"))
+    assert caught.value.hint
+
+
+@pytest.mark.parametrize(
+    "second",
+    [Origin("b.pto", "pto", PROJECT), Origin("a.pto", "pto", b"i w100 h80 v50\n"), None],
+)
+def test_no_project_gets_the_lens_of_another(second: Origin | None) -> None:
+    other = calibration("poly3", origin=second)
+    pair = [calibration(origin=Origin("a.pto", "pto", PROJECT)), numbered(other, 1)]
+    for made in (pair, pair[::-1]):
+        written = result_bytes(made, Path("c.pto")).decode()
+        records = [line for line in written.splitlines() if line.startswith("i ")]
+        values = [re.findall(r" ([abc])(\S+)", record) for record in records]
+        told = [{name: float(value) for name, value in each} for each in values]
+        wanted = [{"a": 0.01, "b": 0.02, "c": 0.03}, {"a": 0.0, "b": 0.01, "c": 0.0}]
+        assert told == (wanted if made is pair else wanted[::-1])
+        assert "made by plumbline" in written
+
+
 def test_poly3_is_ptlens_with_b_alone() -> None:
     written = result_bytes([calibration("poly3")], Path("b.pto"))
     assert b" a0 b0.010000000000000000 c0 d0 e0 " in written
@@ -135,6 +172,20 @@ def test_pixels_that_are_not_square() -> None:
     assert centre.attrib == {"x": "0.15", "y": "-0.2"}
     assert b"i w150 h80 " in result_bytes([made], Path("b.pto"))
     assert b" d6.000000000000000000 e-8" in result_bytes([made], Path("b.pto"))
+    (note,) = resampling_notes(made.observations)
+    assert note == (
+        "the Hugin project is for x.jpg resampled to 150x80, where its pixels are square"
+    )
+    assert resampling_notes(calibration().observations) == []
+
+
+def test_the_aspect_ratio_is_the_photos() -> None:
+    rounded = xml(calibration(facts=replace(KNOWN, aspect_ratio=1 / 1.26)))
+    assert rounded.findtext("lens/aspect-ratio") == "1.26"
+    for ratio in (1.5, 0.0, -1.25):
+        with pytest.raises(OptionError, match=r"contradicts the photo's 1\.25") as caught:
+            xml(calibration(facts=replace(KNOWN, aspect_ratio=ratio)))
+        assert caught.value.hint
 
 
 @pytest.mark.parametrize(
@@ -167,6 +218,22 @@ def test_several_focal_lengths_of_one_lens() -> None:
     root = xml(*zoom())
     assert [entry.attrib["focal"] for entry in root.iter("distortion")] == ["18", "35"]
     assert len(list(root.iter("lens"))) == 1
+
+
+def test_rounded_crop_factors_of_a_zoom_are_one() -> None:
+    made = [
+        calibration(facts=replace(KNOWN, crop_factor=27 / 18, crop_factor_error=0.5 / 27)),
+        calibration(
+            facts=replace(KNOWN, focal_mm=35.0, crop_factor=53 / 35, crop_factor_error=0.5 / 53)
+        ),
+    ]
+    assert xml(*made).findtext("lens/cropfactor") == "1.51428571"
+    (note,) = label_notes(made)
+    assert note.startswith("the crop factor 1.514 ")
+    assert "good to 0.9 %" in note
+    unknown = calibration(facts=replace(KNOWN, focal_mm=50.0, crop_factor=None))
+    with pytest.raises(OptionError, match="the crop factor is not known"):
+        xml(*made, unknown)
 
 
 def test_one_centre_off_the_middle_serves_several_focal_lengths() -> None:
@@ -206,7 +273,7 @@ def test_labels_fall_back_openly() -> None:
     flags = [
         flag
         for flag in ("--maker", "--lens-name", "--mount")
-        for n in label_notes(nameless)
+        for n in label_notes([nameless])
         if flag in n
     ]
     assert flags == ["--maker", "--lens-name", "--mount"]
@@ -215,7 +282,7 @@ def test_labels_fall_back_openly() -> None:
     assert "written as Generic" in content
     camera = calibration(facts=replace(KNOWN, model="", camera="NIKON E995"))
     assert lens_name(camera) == "NIKON E995 lens"
-    assert label_notes(calibration()) == []
+    assert label_notes([calibration()]) == []
 
 
 @pytest.mark.parametrize("name", ["a--b", "a\x1b[31m\n", "caf\udce9", "-", "--", "<&>"])
@@ -270,6 +337,18 @@ def test_points_read_back(tmp_path: Path, suffix: str) -> None:
     path = plumbline.write_points(observations, tmp_path / f"p{suffix}")
     back = plumbline.read(path, size=(100, 80))
     assert [line.points_px.tolist() for line in back.lines] == [[[1, 2], [30, 4.5], [50, 6]]]
+
+
+def test_a_csv_does_not_mix_lenses(tmp_path: Path) -> None:
+    one = calibration().observations
+    both = Observations.side_by_side([one, one])
+    with pytest.raises(OptionError, match="the lines are of 2 lenses") as caught:
+        plumbline.write_points(both, tmp_path / "p.csv")
+    assert "--image" in caught.value.hint
+    assert list(tmp_path.iterdir()) == []
+    back = plumbline.read(plumbline.write_points(both, tmp_path / "p.pto"))
+    assert [photo.lens for photo in back.photos] == [0, 1]
+    plumbline.write_points(replace(both, lines=both.lines[:1]), tmp_path / "p.csv")
 
 
 def test_points_have_no_other_formats(tmp_path: Path) -> None:

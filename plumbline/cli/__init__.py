@@ -15,7 +15,11 @@ from plumbline.errors import PlumblineError, printable
 
 VERBS = {
     "fit": "Find the distortion that makes picked lines straight.",
+    "correct": "Take the lens distortion out of photographs.",
     "convert": "Turn picked points into CSV or a Hugin project.",
+    "lens": "Show which lens would be used for a photo, or keep a calibration for later.",
+    "zoom": "Join calibrations at several focal lengths into one lens.",
+    "export": "Write a calibrated lens for another program.",
     "models": "List the distortion models.",
 }
 
@@ -23,6 +27,7 @@ _EXAMPLES = """\b
 Examples:
   plumbline fit building.pto
   plumbline fit picks.csv --photo facade.jpg
+  plumbline correct facade.jpg --lens building.fit.pto
   plumbline convert grid.mrf grid.pto --photo facade.jpg --grid 7x9"""
 
 

@@ -12,7 +12,7 @@ _HELP = """Turn picked points into CSV or a Hugin project.
 
 SOURCE is any file that `fit` reads; the suffix of TARGET, .csv or .pto, says what is made. A
 Hugin project gets the points in reversed pairs, one straight line each from t3 on, with the
-photo attached and a, b, c marked for optimising.
+photo attached and a, b, c (or what SOURCE asks for) marked for optimising.
 
 \b
 Example:
@@ -30,11 +30,14 @@ def command(source: str, target: str, overwrite: bool, image: int | None, **how:
     from plumbline.cli.pipeline import gather
     from plumbline.errors import printable
     from plumbline.wording import count
-    from plumbline.writing import write_points
+    from plumbline.writing import resampling_notes, write_points
 
     observations = gather([source], image=image, **how)
     written = write_points(observations, target, overwrite=overwrite)
-    for note in observations.notes:
+    notes = list(observations.notes)
+    if written.suffix.lower() == ".pto":
+        notes += resampling_notes(observations)
+    for note in notes:
         click.echo(f"Note: {printable(note)}.", err=True)
     click.echo(
         f"Wrote {printable(str(written))}: {count(observations.n_points, 'point')} on "

@@ -91,8 +91,6 @@ def command(
     **how: Any,
 ) -> None:
     """Read, fit, write, print."""
-    from dataclasses import replace
-
     from rich.console import Console
 
     from plumbline.cli.pipeline import gather, name_the_source, split_by_lens, write_results
@@ -125,13 +123,13 @@ def command(
                 raise name_the_source(error, part, len(parts)) from None
             calibrations.append(made)
     written, notes = write_results(calibrations, output, points[0], overwrite=overwrite)
-    last = calibrations[-1]
-    calibrations[-1] = replace(last, remarks=(*last.remarks, *notes))
     if as_json:
         from plumbline.result_json import to_json
 
         click.echo(to_json(calibrations), nl=False)
+        for note in notes:
+            click.echo(f"Note: {printable(note)}.", err=True)
         for path in written:
             click.echo(f"Wrote {printable(str(path))}", err=True)
         return
-    print_summary(WideConsole(), calibrations, written, verbose=verbose, quiet=quiet)
+    print_summary(WideConsole(), calibrations, written, notes, verbose=verbose, quiet=quiet)

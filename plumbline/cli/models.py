@@ -18,8 +18,8 @@ Example:
 
 @click.command("models", help=_HELP, short_help="List the distortion models.")
 def command() -> None:
-    """Print the table of models."""
+    """Print the models, a block each."""
     from plumbline.models import MODELS
-    from plumbline.report.terminal import WideConsole, models_table
+    from plumbline.report.models import models_text
 
-    WideConsole().print(models_table(MODELS.values()))
+    click.echo(models_text(MODELS.values()))

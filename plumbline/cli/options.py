@@ -9,8 +9,6 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from plumbline.errors import OptionError
-
 _F = TypeVar("_F", bound=Callable[..., Any])
 
 _FORMATS = "ptgui, pto, cvat, labelme, via, imagej, webplotdigitizer, winmorph, csv"
@@ -111,7 +109,9 @@ class Ratio(Positive):
         return first / super().convert(under, param, ctx) if colon else first
 
 
-def _stacked(*options: Callable[[_F], _F]) -> Callable[[_F], _F]:
+def stacked(*options: Callable[[_F], _F]) -> Callable[[_F], _F]:
+    """Several options as one decorator."""
+
     def decorate(function: _F) -> _F:
         for option in reversed(options):
             function = option(function)
@@ -120,7 +120,7 @@ def _stacked(*options: Callable[[_F], _F]) -> Callable[[_F], _F]:
     return decorate
 
 
-reading = _stacked(
+reading = stacked(
     click.option(
         "--photo",
         metavar="FILE",
@@ -157,7 +157,7 @@ reading = _stacked(
 )
 """What verbs that read picked points take."""
 
-labelling = _stacked(
+labelling = stacked(
     click.option("--maker", metavar="TEXT", help="Maker of the lens, for LensFun."),
     click.option("--lens-name", metavar="TEXT", help="Name of the lens, for LensFun."),
     click.option("--mount", metavar="TEXT", help="Mount of the lens, for LensFun."),
@@ -178,23 +178,19 @@ labelling = _stacked(
 )
 """What is known of the lens, where EXIF and project are silent or wrong."""
 
+lens_labels = stacked(
+    click.option("--maker", metavar="TEXT", help="Maker of the lens, for LensFun."),
+    click.option("--lens-name", "model", metavar="TEXT", help="Name of the lens, for LensFun."),
+    click.option("--mount", metavar="TEXT", help="Mount of the lens, for LensFun."),
+    click.option(
+        "--crop-factor",
+        type=Positive(),
+        metavar="NUMBER",
+        help="Diagonal of the 35-mm frame over that of the sensor.",
+    ),
+)
+"""What verbs take that write a lens of several focal lengths, by the names of `LensFacts`."""
+
 overwriting = click.option(
     "--overwrite", is_flag=True, help="Replace files that plumbline did not write."
 )
-
-
-def check_aspect_ratio(given: float, width: float, height: float) -> float:
-    """The user's aspect ratio, if it is the photo's but for rounding.
-
-    Raises:
-        OptionError: it is another one.
-    """
-    ratio = max(given, 1 / given)
-    actual = max(width, height) / min(width, height)
-    if abs(ratio / actual - 1) > 0.02:
-        raise OptionError(
-            f"the aspect ratio {given:.4g} contradicts the photo's {actual:.4g}, which the "
-            "coefficients are measured in",
-            hint="leave out --aspect-ratio, or pick the points in the whole photo",
-        )
-    return ratio

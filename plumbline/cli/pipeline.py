@@ -3,22 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from copy import copy
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from plumbline.calibration import Calibration
-from plumbline.cli.options import check_aspect_ratio
 from plumbline.errors import OptionError, PlumblineError
 from plumbline.files import is_same, write_atomically
+from plumbline.lensfun_writing import checked_aspect_ratio, label_notes
 from plumbline.observations import Observations
 from plumbline.reading import join, read
 from plumbline.wording import listed
-from plumbline.writing import label_notes, result_bytes
+from plumbline.writing import resampling_notes, result_bytes
 
 
 def gather(sources: Sequence[str], image: int | None, **how: Any) -> Observations:
-    """Read one or several files of points, and select a photo.
+    """Read one or several files of points, of each only photo number `image` if it is given.
 
     Raises:
         OptionError: a file is named twice, there is no such photo, or it has no lines.
@@ -29,23 +30,7 @@ def gather(sources: Sequence[str], image: int | None, **how: Any) -> Observation
                 f"{source}: this file is named twice, and its points would count twice",
                 hint="name each file once",
             )
-    observations = join([read(source, **how) for source in sources])
-    if image is None:
-        return observations
-    if image >= len(observations.photos):
-        raise OptionError(
-            f"{observations.named}there is no photo number {image}; there are "
-            f"{len(observations.photos)}",
-            hint="photos are counted from 0",
-        )
-    selected = observations.of_photo(image)
-    if not selected.lines:
-        raise OptionError(
-            f"{observations.named}photo number {image} has no straight lines",
-            hint="photos with lines: "
-            + ", ".join(str(n) for n in sorted({line.photo for line in observations.lines})),
-        )
-    return selected
+    return join([read(source, image=image, **how) for source in sources])
 
 
 def split_by_lens(observations: Observations, labels: Mapping[str, Any]) -> list[Observations]:
@@ -73,7 +58,7 @@ def split_by_lens(observations: Observations, labels: Mapping[str, Any]) -> list
         part = observations.of_lens(lens)
         if "aspect_ratio" in given:
             frame = part.photos[0].frame
-            given["aspect_ratio"] = check_aspect_ratio(given["aspect_ratio"], *frame.square_size)
+            given["aspect_ratio"] = checked_aspect_ratio(given["aspect_ratio"], frame)
         facts = replace(part.lenses[0], **given)
         parts.append(replace(part, lenses=(facts,)))
     return parts
@@ -95,7 +80,8 @@ def write_results(
         overwrite: Replace files that plumbline did not write.
 
     Returns:
-        The files written, and notes on what was not written and on labels that fell back.
+        The files written, and notes on what was not written, on labels that fell back and on
+        photos that are resampled.
     """
     chosen = [Path(name) for name in outputs] or [
         Path(source).with_suffix(f".fit{suffix}") for suffix in (".pto", ".xml")
@@ -109,22 +95,26 @@ def write_results(
             if outputs:
                 raise
             notes.append(f"{target.name} was not written: {error.message} ({error.hint})")
-        else:
-            if target.suffix.lower() == ".xml":
-                notes += label_notes(calibrations[0])
+            continue
+        if target.suffix.lower() == ".xml":
+            notes += label_notes(calibrations)
+        elif target.suffix.lower() == ".pto":
+            notes += [n for made in calibrations for n in resampling_notes(made.observations)]
     if not contents:
         target = Path(source).with_suffix(".fit.json")
         contents[target] = result_bytes(calibrations, target, overwrite=overwrite)
     write_atomically(contents)
-    return list(contents), notes
+    return list(contents), list(dict.fromkeys(notes))
 
 
 def name_the_source(error: PlumblineError, part: Observations, n_parts: int) -> PlumblineError:
     """Say which files an error is about, and which photos where a project has several lenses."""
+    named = copy(error)
     if n_parts > 1:
         names = [f"{photo.number} {photo.name}".strip() for photo in part.photos]
-        error.message = f"photo {listed(names)}: {error.message}"
+        named.message = f"photo {listed(names)}: {named.message}"
     files = listed(list(dict.fromkeys(origin.path for origin in part.origins)), 3)
-    if not error.message.startswith(files):
-        error.message = f"{files}: {error.message}"
-    return error
+    if not named.message.startswith(files):
+        named.message = f"{files}: {named.message}"
+    named.args = (named.message,)
+    return named

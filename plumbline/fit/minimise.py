@@ -34,7 +34,7 @@ def minimise(model: Model, task: Task) -> Solution:
         task: The problem, as arrays of JAX.
     """
     task = jax.tree.map(jnp.asarray, task)
-    found = staged_start(model, task.block, task.start, task.free, task.unit_px, task.gauge_radius)
+    found = staged_start(model, task.block, task.start, task.free, task.gauge_radius)
     y0 = jnp.where(task.staged & task.free, found, task.start)
     solver = PreciseLevenbergMarquardt(rtol=_TOLERANCE, atol=_TOLERANCE)
     solution = optx.least_squares(

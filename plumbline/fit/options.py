@@ -112,10 +112,19 @@ def _free(
     elif facts.requested:
         renamed = _NAMES_OF_PTLENS.get(model.name, {}) | {n: n for n in CENTRE}
         asked = {renamed[n] for n in facts.requested if n in renamed}
-        wanted = asked if asked & set(model.coefficients) else wanted | asked
-        if wanted != set(model.coefficients):
-            listed = ", ".join(n for n in names if n in wanted)
-            notes.append(f"the project asks to optimise {listed}; use --free for others")
+        listed = ", ".join(n for n in names if n in asked)
+        if not asked & set(model.coefficients):
+            wanted |= asked
+            rest = ", ".join(model.coefficients)
+            if asked:
+                notes.append(
+                    f"the project asks to optimise {listed} alone; {rest} are fitted too, since "
+                    "without distortion there is no centre of it to be found"
+                )
+        else:
+            wanted = asked
+            if wanted != set(model.coefficients):
+                notes.append(f"the project asks to optimise {listed}; use --free for others")
     wanted -= set(_known(names, dict.fromkeys(hold, 0.0), "the held coefficients include"))
     if not wanted:
         raise OptionError(
@@ -139,8 +148,10 @@ def _note_ignored(stored: Mapping[str, float], free: tuple[str, ...], notes: lis
     ignored = {n: v for n, v in stored.items() if v and n not in CENTRE}
     if ignored:
         listed = ", ".join(f"{name} = {value:.6g}" for name, value in ignored.items())
-        notes.append(f"the file's {listed} were not used: the fit starts at 0 (--start file)")
+        notes.append(
+            f"not used: the file's {listed}; the fit starts at 0 (--start file takes them)"
+        )
     centre = {n: v for n, v in stored.items() if v and n in CENTRE and n not in free}
     if centre:
         listed = ", ".join(f"{name} = {value:.6g} px" for name, value in centre.items())
-        notes.append(f"the project's distortion centre {listed} is held")
+        notes.append(f"held: the project's distortion centre {listed}")

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
+import math
 import os
 from collections.abc import Callable
 from functools import cache, partial
@@ -32,6 +33,9 @@ from plumbline.models.base import Model
 
 _DISTRIBUTIONS = ("jax", "jaxlib", "optimistix", "equinox", "lineax")
 _DIGEST_BYTES = 32
+_FEW_POINTS = 8192
+_QUICK: dict[str, str | bool] = {"xla_backend_optimization_level": "0"}
+"""Optimising takes a second or two longer, and saves a millisecond a fit of few points."""
 
 Shapes = tuple[tuple[tuple[int, ...], str], ...]
 
@@ -70,7 +74,9 @@ def _program(model: Model, shapes: Shapes, batch: int | None) -> Callable[[Task]
         exported = _made(model, shapes, batch)
         if folder is not None:
             _save(folder / name, exported)
-    return jax.jit(exported.call).lower(_task_of(shapes)).compile()
+    lowered = jax.jit(exported.call).lower(_task_of(shapes))
+    points = math.prod(shapes[1][0])  # the weights of the block
+    return lowered.compile(_QUICK if batch is None and points <= _FEW_POINTS else None)
 
 
 def _task_of(shapes: Shapes) -> Task:

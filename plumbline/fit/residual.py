@@ -158,13 +158,9 @@ def _line_frame(
     block: Block, u: jax.Array, v: jax.Array
 ) -> tuple[jax.Array, jax.Array, jax.Array, jax.Array]:
     """Points relative to the centroid of their line, and the line's unit normal, per row."""
-    rows = block.row_line.shape[0]
 
     def of_line(*values: jax.Array) -> list[jax.Array]:
-        sums = jnp.einsum("rw,rwm->rm", block.weight, jnp.stack(values, axis=-1))
-        totals = jax.ops.segment_sum(
-            sums, block.row_line, num_segments=rows, indices_are_sorted=True
-        )
+        totals = line_sums(block, jnp.stack(values, axis=-1))
         return [total[:, None] for total in totals[block.row_line].T]
 
     n, sum_u, sum_v = of_line(jnp.ones_like(u), u, v)
@@ -178,3 +174,19 @@ def _line_frame(
     along_y = jnp.where(flat, cross, whole - spread)
     length = jnp.sqrt(along_x * along_x + along_y * along_y)
     return u, v, -along_y / length, along_x / length
+
+
+def line_sums(block: Block, values: jax.Array) -> jax.Array:
+    """Sums over the points of every line.
+
+    Args:
+        block: The points.
+        values: Shape (rows, width, m).
+
+    Returns:
+        Shape (rows, m); lines beyond the last are 0.
+    """
+    sums = jnp.einsum("rw,rwm->rm", block.weight, values)
+    return jax.ops.segment_sum(
+        sums, block.row_line, num_segments=block.row_line.shape[0], indices_are_sorted=True
+    )

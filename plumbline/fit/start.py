@@ -13,9 +13,8 @@ import jax.numpy as jnp
 from jax import lax
 
 from plumbline.fit.blocks import Block
-from plumbline.fit.residual import residuals
+from plumbline.fit.residual import line_sums
 from plumbline.models.base import Model
-from plumbline.models.division import Division
 
 _TRIALS = 24
 _CURVE_POINTS = 64
@@ -26,7 +25,6 @@ def staged_start(
     block: Block,
     held: jax.Array,
     free: jax.Array,
-    unit_px: jax.Array,
     gauge_radius: jax.Array,
 ) -> jax.Array:
     """Coefficients of `model` that follow the best one-coefficient division curve.
@@ -36,21 +34,27 @@ def staged_start(
         block: The points.
         held: Values of the held coefficients, the distortion centre last, shape (k + 2,).
         free: Which coefficients are free, shape (k + 2,).
-        unit_px: Pixels to a normalised radius of 1.
         gauge_radius: The radius, in the same units, at which the model's scale is 1.
     """
     x, y = block.xy[..., 0] - held[-2], block.xy[..., 1] - held[-1]
     reach = jnp.sqrt(jnp.max((x * x + y * y) * block.weight))
-    bend = _division(block, held[-2:], unit_px, reach)
+    bend = _division(block, x, y, reach)
     return _translated(model, bend, held, free, reach, gauge_radius)
 
 
-def _division(block: Block, centre: jax.Array, unit_px: jax.Array, reach: jax.Array) -> jax.Array:
-    """l1 of the division model that straightens best, in image pixels."""
+def _division(block: Block, x: jax.Array, y: jax.Array, reach: jax.Array) -> jax.Array:
+    """l1 of the division model that straightens best.
+
+    A line's sum of squared distances is the smaller eigenvalue of its second moments; divided by
+    the larger one it does not depend on the scale of the corrected photo.
+    """
+    lengths = _moments(block, x, y)[1]
+    r2 = (x * x + y * y) / reach**2
 
     def cost(bend: jax.Array) -> jax.Array:
-        c = jnp.concatenate((jnp.stack((bend / reach**2, jnp.zeros_like(bend))), centre))
-        return jnp.sum(residuals(Division(), c, block, unit_px, reach).image ** 2)
+        scale = 1 / (1 + bend * r2)
+        across, along = _moments(block, x * scale, y * scale)
+        return jnp.sum(jnp.where(along > 0, across * lengths / jnp.where(along > 0, along, 1.0), 0))
 
     trials = jnp.linspace(-0.97, 0.9, _TRIALS)
     costs = lax.map(cost, trials)
@@ -60,6 +64,16 @@ def _division(block: Block, centre: jax.Array, unit_px: jax.Array, reach: jax.Ar
     shift = jnp.where(curvature > 0, 0.5 * (left - right) / curvature, 0.0)
     step = trials[1] - trials[0]
     return (trials[best] + jnp.clip(shift, -1.0, 1.0) * step) / reach**2
+
+
+def _moments(block: Block, u: jax.Array, v: jax.Array) -> tuple[jax.Array, jax.Array]:
+    """The smaller and the larger eigenvalue of the second moments of every line."""
+    values = jnp.stack((jnp.ones_like(u), u, v, u * u, u * v, v * v), axis=-1)
+    n, su, sv, uu, uv, vv = line_sums(block, values).T
+    n = jnp.maximum(n, 1.0)
+    uu, uv, vv = uu - su * su / n, uv - su * sv / n, vv - sv * sv / n
+    half, spread = (uu + vv) / 2, jnp.sqrt(((uu - vv) / 2) ** 2 + uv * uv)
+    return jnp.maximum(half - spread, 0.0), half + spread
 
 
 def _translated(

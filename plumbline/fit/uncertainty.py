@@ -15,6 +15,7 @@ from plumbline.frame import Array
 from plumbline.lens import Lens
 from plumbline.models import CENTRE, Model
 from plumbline.straightness import direction
+from plumbline.wording import count
 
 _NOISE_FLOOR_PX = 0.1
 _WORST_CORNER = 0.5
@@ -73,7 +74,8 @@ def degrees_of_freedom(n_points: int, n_lines: int, n_free: int) -> int:
     dof = n_points - 2 * n_lines - n_free
     if dof < 1:
         raise DegenerateLinesError(
-            f"{n_points} points on {n_lines} lines cannot determine {n_free} coefficients: "
+            f"{count(n_points, 'point')} on {count(n_lines, 'line')} cannot determine "
+            f"{count(n_free, 'coefficient')}: "
             f"{2 * n_lines + n_free + 1} points are the least",
             hint="pick more points on each line, or free fewer coefficients with --free",
         )
@@ -181,11 +183,14 @@ def refuse_collapsed(lens: Lens, determinant: Array, excess: Array) -> None:
     Raises:
         CollapsedFitError: as said.
     """
-    hint = "free fewer coefficients (not the centre and tangential terms together), or add lines"
+    hint = (
+        "check that every pick is on its line and that the photo's size (and --grid) is right; "
+        "else free fewer coefficients, or add lines"
+    )
     folded = int(np.count_nonzero((excess > 0) | ~(determinant > 0)))
     if folded:
         raise CollapsedFitError(
-            f"the fit folds the photo over: {folded} picks lie beyond the fold", hint=hint
+            f"the fit folds the photo over: {count(folded, 'pick')} beyond the fold", hint=hint
         )
     scale = float(np.mean(np.sqrt(determinant)))
     if not _SCALES[0] <= scale <= _SCALES[1]:

@@ -29,12 +29,14 @@ def lenses_txt(
     aspect = f"{ratio.numerator}:{ratio.denominator}"
     if abs(float(ratio) / head.aspect_ratio - 1) > 1e-3:
         aspect = f"{head.aspect_ratio:.7g}"
-    name, maker, mount = (
-        " ".join("".join(c if c.isprintable() else " " for c in text).split())
-        for text in (head.model, head.maker, head.mount)
-    )
+    name, maker, mount = (_plain(text) for text in (head.model, head.maker, head.mount))
+    maker, mount = (text.replace(",", " ") for text in (maker, mount))
     rows = [f"# {mark}", f"{name}: {maker}, {mount}, {head.crop_factor:.7g}, {aspect}"]
     for focal_mm, values in entries:
         numbers = ", ".join(f"{value:.9f}" for value in values)
         rows.append(f"distortion({focal_mm:.6g}mm) = {numbers}")
     return ("\n".join(rows) + "\n").encode()
+
+
+def _plain(text: str) -> str:
+    return " ".join("".join(c if c.isprintable() else " " for c in text).split())

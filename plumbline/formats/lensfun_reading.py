@@ -17,6 +17,7 @@ from plumbline.formats.base import Source
 from plumbline.formats.lensfun import Distortion
 
 DEFAULT_ASPECT = 1.5
+_LARGEST = 1e9
 _HINT = "take the file again from LensFun, or correct this line"
 _NAMES = {
     "poly3": ("k1",),
@@ -120,6 +121,8 @@ def _distortion(source: Source, element: Any) -> Distortion | None:
     if focal_mm <= 0:
         raise source.error("the focal length is not above zero", element.sourceline, _HINT)
     values = {name: _attribute(source, element, name, 0.0) for name in _NAMES[model]}
+    if focal_mm > _LARGEST or max(map(abs, values.values())) > _LARGEST:
+        raise source.error("a value is impossibly large", element.sourceline, _HINT)
     return Distortion(model, focal_mm, values)
 
 
@@ -133,10 +136,9 @@ def _attribute(source: Source, element: Any, name: str, default: float | None) -
 
 
 def _text(element: Any, tag: str) -> str:
-    for each in element.findall(tag):
-        if each.get("lang") is None:
-            return printable((each.text or "").strip())
-    return ""
+    """The text of a tag in no particular language; LensFun keeps the last, too."""
+    found = [each for each in element.findall(tag) if each.get("lang") is None]
+    return printable((found[-1].text or "").strip()) if found else ""
 
 
 def _positive(source: Source, element: Any, tag: str, default: float) -> float:

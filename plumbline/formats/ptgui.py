@@ -22,7 +22,8 @@ from dataclasses import dataclass, field, replace
 
 from plumbline.facts import LensFacts
 from plumbline.formats.base import Format, ReadOptions, Source
-from plumbline.formats.control_points import ControlPoints, collect_lines
+from plumbline.formats.control_points import collect_lines
+from plumbline.formats.point_records import ControlPoints, take_points
 from plumbline.formats.pto import refuse_moved_centre
 from plumbline.formats.script import ImageRecord, kind_of, parse_image, readable, records
 from plumbline.observations import Observations, Photo
@@ -35,13 +36,13 @@ _COUNTS_DUMMY_FROM = 8
 
 @dataclass
 class _Project:
+    points: ControlPoints
     version: int = 0
     crop_factor: float | None = None
     has_dummy: bool = False
     images: list[ImageRecord] = field(default_factory=list[ImageRecord])
     sizes: list[tuple[int, int]] = field(default_factory=list[tuple[int, int]])
     requested: set[str] = field(default_factory=set[str])
-    points: ControlPoints = field(default_factory=ControlPoints)
     pending: tuple[int, int, str] | None = None
 
 
@@ -53,19 +54,18 @@ def _recognises(source: Source) -> bool:
 
 
 def _parse(source: Source) -> _Project:
-    project = _Project()
     if source.head.lstrip().startswith("{"):
         raise source.error(
             "this is a project of PTGui 12 or newer (JSON), which is not read",
             hint="pick the points in Hugin or another viewer, or save them as CSV: line,x,y",
         )
-    for row, line in enumerate(records(source), 1):
+    points, rest = take_points(source, records(source))
+    project = _Project(points)
+    for row, line in rest:
         if line.startswith("#-"):
             _read_comment(source, project, row, line)
         elif kind_of(line) == "o":
             _read_image(source, project, row, line)
-        elif kind_of(line) == "c":
-            project.points.add(source, row, line)
         elif kind_of(line) == "v":
             project.requested.update(line.split()[1:])
     return project
@@ -109,7 +109,7 @@ def _read(source: Source, _: ReadOptions) -> Observations:
     if not images:
         raise source.error("there is no image in this project", hint="add the photo in PTGui")
     if first and project.version >= _COUNTS_DUMMY_FROM:
-        project.points.count_from(first)
+        project.points = project.points.counted_from(first)
     notes: list[str] = []
     lines = collect_lines(source, project.points, len(images), notes)
     for image in {line.photo for line in lines}:

@@ -22,7 +22,7 @@ camera takes the lenses whose group it shares. Vignetting and colour fringes (`c
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
@@ -33,6 +33,7 @@ from plumbline.formats.base import Source, shown
 _HINT = "take the profile as PTLens came with it, or correct this line"
 _MOST_FILES = 1000
 _MOST_LINES = 1_000_000
+_LARGEST = 100.0
 
 ABC = tuple[float, float, float]
 
@@ -120,12 +121,24 @@ _Fields = list[tuple[int, str, str]]
 def _read_one(
     source: Source,
 ) -> tuple[list[PTLensCamera], list[PTLensLens], list[tuple[int, str]]]:
+    """Cameras, lenses and the names of further files, with their lines."""
     cameras, lenses, files = list[PTLensCamera](), list[PTLensLens](), list[tuple[int, str]]()
-    kind, fields = "", _Fields()
+    for kind, fields in _blocks(source):
+        if kind == "camera":
+            cameras.append(_camera(source, fields))
+        elif kind == "lens":
+            lenses.append(_lens(source, fields))
+        else:
+            files += [(row, value) for row, key, value in fields if key == "file"]
+    return cameras, lenses, files
+
+
+def _blocks(source: Source) -> Iterator[tuple[str, _Fields]]:
+    """Each block's kind and its fields; the fields outside of blocks come last, as `index`."""
     texts = source.text().splitlines()
     if len(texts) > _MOST_LINES:
         raise source.error(f"the profile has {len(texts):,} lines", hint=_HINT)
-    row = 0
+    kind, fields, outside = "", _Fields(), _Fields()
     for row, text in enumerate(texts, 1):
         line = text.split("#")[0].strip()
         if line in ("begin camera", "begin lens"):
@@ -133,22 +146,17 @@ def _read_one(
                 raise source.error("a new block begins before the last one ended", row, _HINT)
             kind, fields = line.removeprefix("begin "), [(row, "begin", "")]
         elif line == "end":
-            if kind == "camera":
-                cameras.append(_camera(source, fields))
-            elif kind == "lens":
-                lenses.append(_lens(source, fields))
+            if kind:
+                yield kind, fields
             kind = ""
         elif line:
             key, colon, value = line.partition(":")
             if not colon:
                 raise source.error(f"{shown(line)} is no 'key: value'", row, _HINT)
-            if kind:
-                fields.append((row, key.strip(), value.strip()))
-            elif key.strip() == "file":
-                files.append((row, value.strip()))
+            (fields if kind else outside).append((row, key.strip(), value.strip()))
     if kind:
-        raise source.error(f"the last {kind} does not end: the file is cut off", row, _HINT)
-    return cameras, lenses, files
+        raise source.error(f"the last {kind} does not end: the file is cut off", hint=_HINT)
+    yield "index", outside
 
 
 def _text(fields: _Fields, key: str) -> str:
@@ -189,6 +197,8 @@ def _lens(source: Source, fields: _Fields) -> PTLensLens:
         numbers = [source.number(part, row, what="a value of cal_abc") for part in value.split()]
         if len(numbers) != 4 or numbers[0] <= 0:
             raise source.error("cal_abc holds no focal length, a, b and c", row, _HINT)
+        if max(map(abs, numbers[1:])) > _LARGEST:
+            raise source.error("a value of cal_abc is impossibly large", row, _HINT)
         found[numbers[0]] = (numbers[1], numbers[2], numbers[3])
     return PTLensLens(
         _text(fields, "menu_lens"),
@@ -220,6 +230,4 @@ def ptlens_profile(camera: PTLensCamera, lens: PTLensLens, mark: str) -> bytes:
 
 
 def _calibration_rows(calibrations: Sequence[tuple[float, ABC]]) -> list[str]:
-    return [
-        f"cal_abc: {focal:.7g} {a:.9f} {b:.9f} {c:.9f}" for focal, (a, b, c) in calibrations
-    ]
+    return [f"cal_abc: {focal:.7g} {a:.9f} {b:.9f} {c:.9f}" for focal, (a, b, c) in calibrations]

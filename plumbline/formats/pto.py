@@ -17,12 +17,21 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from plumbline.facts import LensFacts
 from plumbline.formats.base import Format, ReadOptions, Source
-from plumbline.formats.control_points import ControlPoints, collect_lines
-from plumbline.formats.script import ImageRecord, kind_of, parse_image, records, size_of
+from plumbline.formats.control_points import collect_lines
+from plumbline.formats.point_records import ControlPoints, take_points
+from plumbline.formats.script import (
+    STAND_IN,
+    UNKNOWN_HFOV_DEG,
+    ImageRecord,
+    kind_of,
+    parse_image,
+    records,
+    size_of,
+)
 from plumbline.observations import Observations, Photo
 
 _LENS_COEFFICIENTS = ("a", "b", "c", "d", "e")
@@ -33,10 +42,10 @@ _VARIABLE = re.compile(r"([A-Za-z]+?)(\d+)")
 
 @dataclass
 class _Script:
+    points: ControlPoints
     images: list[ImageRecord] = field(default_factory=list[ImageRecord])
     crop_factors: list[float | None] = field(default_factory=list["float | None"])
     variables: list[tuple[str, int]] = field(default_factory=list[tuple[str, int]])
-    points: ControlPoints = field(default_factory=ControlPoints)
 
 
 def _recognises(source: Source) -> bool:
@@ -51,24 +60,34 @@ def _recognises(source: Source) -> bool:
 
 
 def _parse(source: Source) -> _Script:
-    script = _Script()
+    points, rest = take_points(source, records(source))
+    script = _Script(points)
     crop_factor: float | None = None
-    for row, text in enumerate(records(source), 1):
+    stand_in = False
+    for row, text in rest:
         kind = kind_of(text)
-        if kind == "c":
-            script.points.add(source, row, text)
-        elif kind == "i":
-            script.images.append(parse_image(source, row, text, script.images))
+        if kind == "i":
+            image = parse_image(source, row, text, script.images)
+            script.images.append(_without_hfov(image) if stand_in else image)
             script.crop_factors.append(crop_factor)
-            crop_factor = None
+            crop_factor, stand_in = None, False
         elif kind == "v":
             names = (_VARIABLE.fullmatch(token) for token in text.split()[1:])
             script.variables += [(m[1], int(m[2])) for m in names if m and len(m[2]) < 10]
+        elif text.startswith(STAND_IN):
+            stand_in = True
         elif text.startswith("#-hugin"):
             found = _CROP_FACTOR.search(text)
             crop_factor = source.number(found[1], row, what="the crop factor") if found else None
             crop_factor = crop_factor if crop_factor and crop_factor > 0 else None
     return script
+
+
+def _without_hfov(image: ImageRecord) -> ImageRecord:
+    """An image without the field of view that plumbline wrote for want of a known one."""
+    if image.values.get("v") != UNKNOWN_HFOV_DEG:
+        return image
+    return replace(image, values={n: value for n, value in image.values.items() if n != "v"})
 
 
 def _read(source: Source, _: ReadOptions) -> Observations:

@@ -9,9 +9,10 @@ values that were set.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
+from plumbline.errors import OptionError
 from plumbline.facts import LensFacts
 from plumbline.files import FITTED_DECIMALS
 from plumbline.formats.base import Source, shown
@@ -29,9 +30,16 @@ PROJECTIONS = {
     21: "equisolid fisheye",
 }
 
+UNKNOWN_HFOV_DEG = 50.0
+"""Stands in for an unknown field of view: a PTO must have one, and lines do not depend on it."""
+
+STAND_IN = "# the field of view of the next image is not known: 50 degrees stand in for it"
+"""Stands in a project that plumbline makes before an image without a known field of view."""
+
 MAX_RECORDS = 2_000_000
 MAX_RECORD_LENGTH = 100_000
 
+_UNKNOWN_TYPE = "lens type f"
 _QUOTED = re.compile(r'"[^"]*"?')
 _VALUE = re.compile(r"(?<=[ \t])([whfvabcdegt])(\S+)")
 _NAME = re.compile(r'[ \t]n"([^"]*)"')
@@ -60,7 +68,7 @@ class ImageRecord:
     def projection(self) -> str:
         """The lens type in words."""
         number = int(self.values.get("f", 0))
-        return PROJECTIONS.get(number, f"lens type f{number}")
+        return PROJECTIONS.get(number, f"{_UNKNOWN_TYPE}{number}")
 
     @property
     def crop(self) -> tuple[int, int, int, int] | None:
@@ -76,11 +84,29 @@ class ImageRecord:
         hfov = self.values.get("v")
         return LensFacts(
             hfov_deg=hfov if hfov and 0 < hfov < 180 else None,
+            hfov_width_px=self.values.get("w"),
             crop_factor=crop_factor,
             stored={n: self.values[n] for n in LENS_VALUES if n in self.values},
             requested=requested,
             projection=self.projection,
         )
+
+
+def lens_type(projection: str) -> int:
+    """The number of a lens type; undoes `ImageRecord.projection`.
+
+    Raises:
+        OptionError: it is none that a script can name.
+    """
+    numbers = {name: number for number, name in PROJECTIONS.items()}
+    if projection in numbers:
+        return numbers[projection]
+    try:
+        return int(projection.removeprefix(_UNKNOWN_TYPE))
+    except ValueError:
+        raise OptionError(
+            f"there is no lens type {shown(projection)}", hint=f"use one of {', '.join(numbers)}"
+        ) from None
 
 
 def records(source: Source) -> list[str]:
@@ -99,9 +125,10 @@ def records(source: Source) -> list[str]:
             hint="save the project again with fewer control points",
         )
     texts = source.content.decode("utf-8", errors="surrogateescape").split("\n")
-    for row, text in enumerate(texts, 1):
-        if len(text) > MAX_RECORD_LENGTH:
-            raise source.error(f"the line has {len(text):,} characters", row, "remove this line")
+    longest = max(texts, key=len)
+    if len(longest) > MAX_RECORD_LENGTH:
+        row = texts.index(longest) + 1
+        raise source.error(f"the line has {len(longest):,} characters", row, "remove this line")
     return texts
 
 
@@ -180,14 +207,21 @@ def size_of(source: Source, image: ImageRecord) -> tuple[int, int]:
     return int(sides[0]), int(sides[1])
 
 
-def with_values(text: str, values: Mapping[str, float], keep_links: set[str]) -> str:
+def with_values(
+    text: str,
+    values: Mapping[str, float],
+    keep_links: set[str],
+    as_text: Callable[[float], str] | None = None,
+) -> str:
     """The record with lens values set, all else as it was.
 
     Args:
         text: The line.
         values: Values by name; a value the line lacks is appended.
         keep_links: Names whose `=N` is left alone.
+        as_text: How values are written; `fitted` by default.
     """
+    as_text = as_text or fitted
     out, end = list[str](), 0
     met: set[str] = set()
     for match in _VALUE.finditer(masked(text)):
@@ -198,12 +232,12 @@ def with_values(text: str, values: Mapping[str, float], keep_links: set[str]) ->
         linked = old.startswith("=")
         if name in keep_links if linked else float(old) == values[name]:
             continue
-        out += [text[end : match.start(2)], fitted(values[name])]
+        out += [text[end : match.start(2)], as_text(values[name])]
         end = match.end(2)
     line = "".join(out) + text[end:]
     body = line.rstrip("\r\n \t")
     lacking = [name for name in values if name not in met]
-    return body + "".join(f" {n}{fitted(values[n])}" for n in lacking) + line[len(body) :]
+    return body + "".join(f" {n}{as_text(values[n])}" for n in lacking) + line[len(body) :]
 
 
 def decimal(value: float) -> str:

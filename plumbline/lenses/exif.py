@@ -13,13 +13,16 @@ import numpy as np
 
 from plumbline.errors import ReadError
 from plumbline.facts import FULL_FRAME_MM, LensFacts
+from plumbline.lenses.maker_notes import corrected_in_camera
 
 _MAKE, _MODEL, _ORIENTATION, _EXIF_IFD = 0x010F, 0x0110, 0x0112, 0x8769
 _FOCAL, _FOCAL_35MM, _LENS_MAKE, _LENS_MODEL = 0x920A, 0xA405, 0xA433, 0xA434
 _WIDTH, _X_RESOLUTION, _Y_RESOLUTION, _UNIT = 0xA002, 0xA20E, 0xA20F, 0xA210
 _HEIGHT = 0xA003
 _SOFTWARE, _PROCESSING, _HISTORY = 0x0131, 0x000B, 0x9213
+_MAKER_NOTES, _LENS_SPECIFICATION = 0x927C, 0xA432
 _PROFILE = re.compile(rb"LensProfileEnable\s*(?:=\s*[\"']|>)\s*1\b")
+_LENS_INFO = re.compile(rb"LensInfo\s*(?:=\s*[\"']|>)\s*(\d{1,9})/(\d{1,9}) (\d{1,9})/(\d{1,9})")
 _MM_PER_UNIT = {2: 25.4, 3: 10.0, 4: 1.0}
 
 
@@ -31,12 +34,12 @@ class PhotoFacts:
         size: Width and height as a viewer shows it, the EXIF orientation applied.
         facts: Camera, lens, focal length and crop factor, as far as EXIF knows.
         turned: Whether the orientation exchanges width and height.
-        notes: What to be aware of, in plain sentences.
         name: Its file name.
         maker: Maker of the camera, as EXIF has it.
         model: Model of the camera, as EXIF has it.
         orientation: EXIF's orientation, 1 to 8; 1 is upright as stored.
         exif_size: Width and height as stored that EXIF tells of; None where it is silent.
+        lens_range_mm: Shortest and longest focal length of the lens, if EXIF or XMP tell it.
         history: What programs wrote of themselves, joined; may be empty.
         profile_applied: Whether XMP says that a lens profile was applied in developing.
         in_camera: What tells that the camera itself corrected the distortion; else empty.
@@ -45,12 +48,12 @@ class PhotoFacts:
     size: tuple[int, int]
     facts: LensFacts
     turned: bool = False
-    notes: tuple[str, ...] = ()
     name: str = ""
     maker: str = ""
     model: str = ""
     orientation: int = 1
     exif_size: tuple[int, int] | None = None
+    lens_range_mm: tuple[float, float] | None = None
     history: str = ""
     profile_applied: bool = False
     in_camera: str = ""
@@ -70,7 +73,7 @@ def read_photo(path: str | Path) -> PhotoFacts:
     """
     from PIL import Image, UnidentifiedImageError
 
-    hint = "give a JPEG, TIFF, PNG or WebP with --photo, or the size alone with --size WIDTHxHEIGHT"
+    hint = "give a JPEG, TIFF, PNG or WebP, or the size alone with --size WIDTHxHEIGHT"
     try:
         if not Path(path).is_file() and Path(path).exists():
             raise ReadError("this is no file", path=path, hint=hint)
@@ -102,33 +105,43 @@ def read_photo(path: str | Path) -> PhotoFacts:
         raise ReadError(f"the photo cannot be read: {reason}", path=path, hint=hint) from None
     orientation = int(_positive(tags, _ORIENTATION) or 1)
     turned = orientation in (5, 6, 7, 8)
-    notes: list[str] = []
+    notes_of_maker = tags.get(_MAKER_NOTES)
     if turned:
         width, height = height, width
-        notes.append(
-            f"{Path(path).name} is stored sideways (EXIF orientation); its picks are taken in the "
-            f"upright {width}x{height} picture"
-        )
     return PhotoFacts(
         (width, height),
         _facts(tags),
         turned,
-        tuple(notes),
         name=Path(path).name,
         maker=_text(tags, _MAKE),
         model=_text(tags, _MODEL),
         orientation=orientation if orientation in range(1, 9) else 1,
         exif_size=_exif_size(tags),
+        lens_range_mm=_lens_range(tags, packet if isinstance(packet, bytes) else b""),
         history="; ".join(
             filter(None, (_text(tags, t) for t in (_SOFTWARE, _PROCESSING, _HISTORY)))
         ),
         profile_applied=isinstance(packet, bytes) and _PROFILE.search(packet) is not None,
+        in_camera=corrected_in_camera(notes_of_maker) if isinstance(notes_of_maker, bytes) else "",
     )
 
 
 def _exif_size(tags: dict[int, Any]) -> tuple[int, int] | None:
     width, height = _positive(tags, _WIDTH), _positive(tags, _HEIGHT)
     return (int(width), int(height)) if width and height else None
+
+
+def _lens_range(tags: dict[int, Any], packet: bytes) -> tuple[float, float] | None:
+    found = _LENS_INFO.search(packet)
+    try:
+        if found is not None:
+            numbers = [int(group) for group in found.groups()]
+            low, high = numbers[0] / numbers[1], numbers[2] / numbers[3]
+        else:
+            low, high = (float(value) for value in tags[_LENS_SPECIFICATION][:2])
+    except (KeyError, TypeError, ValueError, ZeroDivisionError):
+        return None
+    return (low, high) if 0 < low <= high < np.inf else None
 
 
 def _facts(tags: dict[int, Any]) -> LensFacts:

@@ -20,14 +20,13 @@ from plumbline.frame import Frame
 from plumbline.lenses.correction import Correction
 from plumbline.lenses.exif import PhotoFacts
 from plumbline.lenses.mapping import TURNS, UPRIGHT, PhotoLens, Turn
+from plumbline.lenses.photo_checks import history_notes, shape, whole_size
 from plumbline.lenses.request import LensRequest
 from plumbline.models import Model
 
 _SAME_SHAPE = 0.02
-_MERELY_RESIZED = 0.01
 _FAR = 0.1
 _NEAR = 0.005
-_CORRECTORS = ("plumbline", "ptlens", "dxo", "hugin", "nona", "lensfun")
 
 
 @dataclass(frozen=True)
@@ -76,8 +75,8 @@ def correction(profile: LensProfile, photo: PhotoFacts, request: LensRequest) ->
         OptionError: the photo is cropped, or of another shape than the lens's pictures, and the
             request does not say how.
     """
-    notes = [*_history(photo)]
-    whole = _whole_size(photo, profile, request, notes)
+    notes = [*history_notes(photo)]
+    whole = whole_size(photo, profile.size, request, notes)
     frame = Frame(*photo.size, profile.pixel_aspect)
     diagonal_px = float(np.hypot(*Frame(*whole, profile.pixel_aspect).square_size))
     _check_shape(profile, whole, request, notes)
@@ -137,73 +136,6 @@ def clamp_focal(
     )
 
 
-def _history(photo: PhotoFacts) -> list[str]:
-    notes: list[str] = []
-    told = photo.history.lower()
-    if any(program in told for program in _CORRECTORS):
-        notes.append(
-            f"the photo's EXIF names {photo.history!r}: it may be corrected already, and a second "
-            "correction bends it the other way"
-        )
-    if photo.profile_applied:
-        notes.append(
-            "the photo was developed with a lens profile (XMP), so that it is corrected already"
-        )
-    if photo.in_camera:
-        notes.append(
-            f"the camera corrected the distortion itself ({photo.in_camera}): a second correction "
-            "bends the photo the other way"
-        )
-    return notes
-
-
-def _shape(size: tuple[float, float]) -> float:
-    return max(size) / min(size)
-
-
-def _whole_size(
-    photo: PhotoFacts, profile: LensProfile, request: LensRequest, notes: list[str]
-) -> tuple[int, int]:
-    """Size of the camera's whole picture at the photo's scale."""
-    if request.full_size is not None:
-        whole = request.full_size
-        if (whole[0] < whole[1]) != (photo.size[0] < photo.size[1]) and photo.size[0] != photo.size[
-            1
-        ]:
-            whole = whole[::-1]
-        if whole[0] < photo.size[0] or whole[1] < photo.size[1]:
-            raise OptionError(
-                f"the whole picture, {whole[0]}x{whole[1]}, is smaller than the photo, "
-                f"{photo.size[0]}x{photo.size[1]}",
-                hint="give --full-size as the picture was before the crop, at the photo's scale",
-            )
-        if whole != photo.size:
-            notes.append(
-                f"the photo is taken as the middle of a picture of {whole[0]}x{whole[1]} pixels"
-            )
-        return whole
-    told = photo.exif_size
-    if (
-        request.crop_factor is not None
-        or told is None
-        or photo.size in (told, told[::-1], profile.size)
-    ):
-        return photo.size
-    width, height = photo.size
-    if abs(_shape(told) / _shape(photo.size) - 1) <= max(_MERELY_RESIZED, 1 / min(photo.size)):
-        notes.append(
-            f"the photo was resized from {told[0]}x{told[1]} to {width}x{height}, says its EXIF: "
-            "taken as the whole picture"
-        )
-        return photo.size
-    raise OptionError(
-        f"the photo is {width}x{height}, but its EXIF tells of a picture of {told[0]}x{told[1]}: "
-        "it was cropped, and what part of the lens it shows is not known",
-        hint="give the size of the whole picture at the photo's scale with --full-size WxH (of the "
-        "photo itself if it is whole), or the crop factor of what is left with --crop-factor",
-    )
-
-
 def _check_shape(
     profile: LensProfile, whole: tuple[int, int], request: LensRequest, notes: list[str]
 ) -> None:
@@ -211,10 +143,10 @@ def _check_shape(
     if profile.aspect is None or request.crop_factor is not None:
         return
     expected = max(profile.aspect, 1 / profile.aspect)
-    if abs(_shape(square) / expected - 1) <= _SAME_SHAPE:
+    if abs(shape(square) / expected - 1) <= _SAME_SHAPE:
         return
     told = (
-        f"the photo's sides are as {_shape(square):.3g}:1, those of the pictures the lens was "
+        f"the photo's sides are as {shape(square):.3g}:1, those of the pictures the lens was "
         f"calibrated in as {expected:.3g}:1"
     )
     if profile.photo_crop is None:

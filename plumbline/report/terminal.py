@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from math import floor, isfinite, log10
 from pathlib import Path
 
 from rich import box
@@ -36,11 +37,21 @@ def print_summary(
     console: Console,
     calibrations: Sequence[Calibration],
     written: Sequence[Path],
+    notes: Sequence[str] = (),
     *,
     verbose: bool = False,
     quiet: bool = False,
 ) -> None:
-    """Print what was found, for every lens, and which files were written."""
+    """Print what was found, for every lens, and which files were written.
+
+    Args:
+        console: Where to.
+        calibrations: One a lens.
+        written: The files written.
+        notes: What there is to say about the files.
+        verbose: List every line, however many.
+        quiet: Print only the finding and the files.
+    """
     told: set[str] = set()
     for index, made in enumerate(calibrations):
         if len(calibrations) > 1:
@@ -55,9 +66,15 @@ def print_summary(
         console.print(lines_table(made, everything=verbose))
         for note in [note for note in made.notes if note not in told]:
             told.add(note)
-            console.print(f"• {_plain(note)}", style="yellow", highlight=False, soft_wrap=True)
+            _print_note(console, note)
+    for note in () if quiet else notes:
+        _print_note(console, note)
     for path in written:
         console.print(f"Wrote {_plain(str(path))}", highlight=False, soft_wrap=True)
+
+
+def _print_note(console: Console, note: str) -> None:
+    console.print(f"• {_plain(note)}", style="yellow", highlight=False, soft_wrap=True)
 
 
 def _plain(text: str) -> str:
@@ -68,7 +85,10 @@ def _plain(text: str) -> str:
 def finding_sentence(made: Calibration) -> str:
     """The finding in one line."""
     finding = made.finding
-    size = f": {finding.percent:+.2f} % ({finding.corner_px:+.1f} px) at the corner"
+    place = "at the corner"
+    if finding.folds_at_px is not None:
+        place = f"{finding.folds_at_px:.0f} px from the centre, where the polynomial folds"
+    size = f": {finding.percent:+.2f} % ({finding.corner_px:+.1f} px) {place}"
     return (
         f"{_KINDS[finding.kind]}{'' if finding.kind == 'none' else size}; "
         f"lines are straight to {made.rms_before_px:.2f} px before, "
@@ -84,7 +104,8 @@ def coefficients_table(made: Calibration) -> Table:
         table.add_column(title, justify="right")
     errors = made.standard_errors
     for name, value in made.coefficients.items():
-        digits, unit = (3, " px") if name in CENTRE else (6, "")
+        least, unit = (3, " px") if name in CENTRE else (6, "")
+        digits = _decimals(errors.get(name, value), least)
         if name not in errors:
             table.add_row(name, f"{value:.{digits}f}{unit}", "held", "", "")
             continue
@@ -97,6 +118,12 @@ def coefficients_table(made: Calibration) -> Table:
             f"{made.start[name]:g}",
         )
     return table
+
+
+def _decimals(size: float, least: int) -> int:
+    """How many decimals show two significant digits of a number, and at least so many."""
+    known = isfinite(size) and size != 0
+    return max(least, 1 - floor(log10(abs(size)))) if known else least
 
 
 def lines_table(made: Calibration, *, everything: bool = False) -> Table:

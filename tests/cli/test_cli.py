@@ -173,6 +173,33 @@ def test_json_goes_to_stdout_and_narration_to_stderr(run: Run) -> None:
     } <= set(found)
 
 
+def test_notes_on_files_are_no_part_of_the_result(run: Run) -> None:
+    words = ("--json", "-o", "x.json", "-o", "x.xml", "-o", "x.pto")
+    done = run("fit", pto(), *words, "--maker", "me", "--mount", "EF")
+    assert done.status == 0
+    assert done.out == Path("x.json").read_text()
+    assert done.err.splitlines() == [
+        "Note: the lens is named after the file of the points: building (--lens-name).",
+        "Wrote x.json",
+        "Wrote x.xml",
+        "Wrote x.pto",
+    ]
+    shown = run("fit", "building.pto", *words[1:]).out.splitlines()
+    at = [i for i, line in enumerate(shown) if "(--lens-name)" in line]
+    assert len(at) == 1
+    assert "• the mount is not known" in shown[at[0] + 1]
+    assert shown[at[0] + 2] == "Wrote x.json"
+
+
+def test_pixels_that_are_not_square_are_told(run: Run) -> None:
+    name = csv(grid())
+    note = "the Hugin project is for the photo resampled to 720x400, where its pixels are square"
+    assert note in run("fit", name, *SIZE, "--pixel-aspect", "6:5").out
+    assert note in run("convert", name, "p.pto", *SIZE, "--pixel-aspect", "6:5").err
+    assert "resampled" not in run("convert", name, "p.csv", *SIZE, "--pixel-aspect", "6:5").err
+    assert "i w720 h400 " in Path("p.pto").read_text()
+
+
 def test_quiet_prints_the_finding_and_the_files(run: Run) -> None:
     done = run("fit", pto(), "-q")
     assert done.out.splitlines()[1:] == ["Wrote building.fit.pto", "Wrote building.fit.xml"]
@@ -391,6 +418,39 @@ def test_one_photo_is_selected(run: Run) -> None:
     assert "zoom.pto: there is no photo number 2; there are 2" in none.err
 
 
+def test_the_photo_that_is_named_belongs_to_the_one_that_is_selected(run: Run) -> None:
+    exif = Image.Exif()
+    exif.get_ifd(0x8769).update({0x920A: 8.0})
+    Image.new("L", (WIDTH, HEIGHT)).save("p.jpg", exif=exif)
+    words = ("fit", two_lenses(), "--photo", "p.jpg", "--free", "b", "--json", "-o", "x.json")
+    lens = json.loads(run(*words, "--image", "1").out)["observations"]["lens"]
+    assert lens["focal_mm"] == 8
+    whole = json.loads(run(*words).out)["calibrations"]
+    assert [made["observations"]["lens"]["focal_mm"] for made in whole] == [None, None]
+    assert "--image" in whole[0]["notes"][0]
+
+
+def test_a_photo_is_selected_in_each_of_several_files(run: Run) -> None:
+    text = Path(two_lenses()).read_text()
+    Path("more.pto").write_text(image(v=9) + image(v=30) + points(grid(8, b=0.01, seed=3), 1))
+    assert run("fit", "zoom.pto", "more.pto").status == 1  # these are of several lenses
+    done = run("fit", "zoom.pto", "more.pto", "--image", "1", "--free", "b", "--json")
+    found = json.loads(done.out)
+    assert found["dof"] == 128 - 32 - 1
+    assert [photo["number"] for photo in found["observations"]["photos"]] == [1, 1]
+    assert Path("zoom.pto").read_text() == text
+
+
+def test_several_lenses_are_not_mixed_in_a_csv(run: Run) -> None:
+    done = run("convert", two_lenses(), "x.csv")
+    assert (done.status, done.out) == (1, "")
+    assert "zoom.pto: the lines are of 2 lenses, which a CSV cannot keep apart" in done.err
+    assert "--image N" in done.err
+    assert files() == ["zoom.pto"]
+    assert run("convert", "zoom.pto", "x.csv", "--image", "1").status == 0
+    assert run("convert", "zoom.pto", "x.pto").status == 0
+
+
 def test_a_photo_without_lines_is_not_selected(run: Run) -> None:
     Path("a.pto").write_text(image() + image() + points(grid()))
     done = run("fit", "a.pto", "--image", "1")
@@ -488,8 +548,12 @@ def test_a_missing_file(run: Run) -> None:
             (),
             "bad.pto: 3 points on 1 lines cannot",
         ),
-        (image() + points(through_the_centre()), (), "bad.pto: the lines "),
-        (image() + points(short_cluster()), (), "bad.pto: the fit collapsed"),
+        (
+            image() + points(through_the_centre()),
+            (),
+            "bad.pto: the lines carry no information about the distortion: every line runs",
+        ),
+        (image() + points(short_cluster()), (), "bad.pto: the lines carry no information"),
         (image(a="=0") + points(grid()), (), "bad.pto, line 1: 'a=0' does not refer to an earlier"),
         (image(a="=1") + image() + points(grid()), (), "bad.pto, line 1: 'a=1' does not refer"),
         (image() + points(grid()), ("--start", "q=1"), "an unknown coefficient 'q'"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import re
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -12,7 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from plumbline.errors import ReadError
+from plumbline.errors import OptionError, ReadError
 from plumbline.facts import LensFacts
 from plumbline.formats import format_of
 from plumbline.formats.base import ReadOptions, Source
@@ -438,3 +439,93 @@ def test_new_projects_are_ready_for_hugin() -> None:
     assert "#-hugin  cropFactor=1.5\n" in text
     assert text.startswith("# hugin project file\n#hugin_ptoversion 2\n")
     assert "\nv a0\nv b0\nv c0\nv\n" in text
+
+
+def test_converting_a_project_keeps_what_it_says_of_the_lenses() -> None:
+    first = image(v=50.25, a=0.5, b=-0.25, c=0.125, d=3.5, e=-2, g=0, t=0)
+    text = first + image(v="=0", a="=0", b="=0", c="=0", d="=0", e="=0", g=0, t=0)
+    text += image(f=3, v=120, a=0, b=0.03125, c=0, d=0, e=0, g=1.5, t=-0.5) + "v b0 d0\nv a2\n"
+    text += LINE + pairs((1, 1), (2, 2), (3, 3.5), image=1) + pairs((1, 1), (2, 3), (5, 5), image=2)
+    before = read(text)
+    after = read(new_project(before, {}))
+    assert [photo.lens for photo in after.photos] == [0, 0, 1]
+    assert [facts.stored for facts in after.lenses] == [
+        {"a": 0.5, "b": -0.25, "c": 0.125, "d": 3.5, "e": -2, "g": 0, "t": 0},
+        {"a": 0, "b": 0.03125, "c": 0, "d": 0, "e": 0, "g": 1.5, "t": -0.5},
+    ]
+    assert [facts.requested for facts in after.lenses] == [("b", "d"), ("a",)]
+    assert [facts.projection for facts in after.lenses] == ["rectilinear", "full-frame fisheye"]
+    assert [facts.hfov_deg for facts in after.lenses] == [50.25, 120]
+
+
+def test_converting_keeps_lens_types_that_have_no_name() -> None:
+    content = new_project(read(image(f=17) + LINE), {})
+    assert read(content).lenses[0].projection == "lens type f17"
+    odd = Observations(read(image() + LINE).photos, (), (LensFacts(projection="odd"),))
+    with pytest.raises(OptionError, match="there is no lens type 'odd'"):
+        new_project(odd, {})
+
+
+def test_a_stored_centre_moves_with_the_pixels_of_video() -> None:
+    made = read(image(w=100, d=4, e=2) + LINE)
+    video = replace(made, photos=(replace(made.photos[0], pixel_aspect=1.5),))
+    stored = read(new_project(video, {})).lenses[0].stored
+    assert (stored["d"], stored["e"]) == (6, 2)
+
+
+def test_photos_of_other_widths_have_their_own_field_of_view() -> None:
+    lines = tuple(Line(np.array([[1.0, 2], [3, 4], [5, 6.5]]), i) for i in range(3))
+    photos = (Photo((400, 300), "a"), Photo((300, 400), "b"), Photo((400, 300), "c"))
+    made = Observations(photos, lines, (LensFacts(hfov_deg=90.0, hfov_width_px=400),))
+    records = re.findall(r"^i .*", new_project(made, {}).decode(), re.MULTILINE)
+    angles = [re.findall(r" v(\S+)", record)[0] for record in records]
+    # 90 degrees over 400 px is a focal length of 200 px, seen by half of 300 px.
+    assert (angles[0], angles[2]) == ("90", "=0")
+    assert float(angles[1]) == pytest.approx(2 * np.degrees(np.arctan(150 / 200)), abs=1e-12)
+    portrait = new_project(made.of_photo(1), {}).decode()
+    assert re.findall(r"^i .* v(\S+)", portrait, re.MULTILINE) == [angles[1]]
+
+
+def test_a_measured_focal_length_counts_before_the_projects_field_of_view() -> None:
+    line = Line(np.array([[1.0, 2], [3, 4], [5, 6.5]]))
+    facts = LensFacts(hfov_deg=50.0, focal_px=200.0)
+    text = new_project(Observations((Photo((400, 300)),), (line,), (facts,)), {}).decode()
+    (angle,) = re.findall(r"^i .* v(\S+)", text, re.MULTILINE)
+    assert float(angle) == pytest.approx(90.0, abs=1e-12)
+
+
+def test_a_field_of_view_that_is_not_known_stays_so() -> None:
+    line = Line(np.array([[1.0, 2], [3, 4], [5, 6.5]]))
+    photos = (Photo((40, 30)), Photo((40, 30)), Photo((30, 40)))
+    content = new_project(Observations(photos, (line,), (LensFacts(),)), {})
+    assert b" v50 " in content
+    assert read(content).lenses[0].hfov_deg is None
+    edited = content.replace(b" v50 ", b" v51 ")
+    assert read(edited).lenses[0].hfov_deg == 51
+    assert read(image() + LINE).lenses[0].hfov_deg == 50
+
+
+def effective(text: str) -> list[dict[str, float]]:
+    """The lens values of every image, links followed one by one."""
+    found: list[dict[str, float]] = []
+    for record in re.findall(r"^i .*", text, re.MULTILINE):
+        own: dict[str, str] = dict(re.findall(r" ([abcde])(\S+)", record))
+        found.append(
+            {n: found[int(v[1:])].get(n, 0) if v[0] == "=" else float(v) for n, v in own.items()}
+        )
+    return found
+
+
+@pytest.mark.parametrize("fitted", [{0}, {1}, {2}, {3}, {0, 2}, {1, 3}, {0, 1, 2, 3}])
+def test_images_that_are_not_fitted_keep_their_values(fitted: set[int]) -> None:
+    text = image(a=0.1, b=1e-7, c=3, d=4, e=5) + image(a="=0", b="=0", c="=0", d="=0", e=6)
+    text += image(a="=1", b="=1", c=0.25, d="=1", e="=1") + image(a="=2", b=7, c="=2") + LINE
+    values = {"a": 0.5, "b": 0.25, "c": 0.125, "d": 0.0, "e": 1.5}
+    done = rewritten(text.encode(), "x.pto", dict.fromkeys(fitted, values)).decode()
+    before, after = effective(text), effective(done)
+    for number in range(4):
+        assert after[number] == (values if number in fitted else before[number])
+    changed = [
+        old for old, new in zip(text.splitlines(), done.splitlines(), strict=True) if old != new
+    ]
+    assert all(record.startswith("i ") for record in changed)

@@ -49,7 +49,7 @@ def test_camera_lens_and_focal_length(tmp_path: Path) -> None:
         {FOCAL: IFDRational(82, 10), LENS_MAKE: "Sigma", LENS_MODEL: " 18-35mm\nF1.8 \x07Art "},
     )
     found = read_photo(path)
-    assert (found.size, found.turned, found.notes) == ((60, 40), False, ())
+    assert (found.size, found.turned) == ((60, 40), False)
     facts = found.facts
     assert (facts.maker, facts.camera, facts.model) == ("Sigma", "NIKON E995", "18-35mm F1.8 Art")
     assert (facts.focal_mm, facts.crop_factor) == (8.2, None)
@@ -76,8 +76,7 @@ def test_the_orientation_is_applied(tmp_path: Path, orientation: int) -> None:
     sideways = orientation >= 5
     assert found.size == ((40, 60) if sideways else (60, 40))
     assert found.turned == sideways
-    assert len(found.notes) == sideways
-    assert all("a.jpg is stored sideways" in note and "40x60" in note for note in found.notes)
+    assert found.stored_size == (60, 40)
 
 
 def test_without_exif(tmp_path: Path) -> None:

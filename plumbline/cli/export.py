@@ -1,0 +1,99 @@
+"""`plumbline export`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from plumbline.cli import options
+
+if TYPE_CHECKING:
+    from plumbline.lenses.export_files import ExportedFile
+
+_TARGETS = (
+    "lensfun",
+    "lenses-txt",
+    "pto",
+    "hugin-ini",
+    "ptlens",
+    "imagemagick",
+    "opencv",
+    "stmap",
+    "json",
+)
+
+_HELP = """Write a calibrated lens for another program.
+
+RESULT: a JSON that `fit` wrote, or a Hugin or PTGui project or a Hugin lens .ini with lens
+values, such as that of a stitched panorama. Where the program knows another distortion model, the
+lens is refitted over the photo and the largest deviation is printed; above 0.1 px it is written
+only with --force. The file goes beside RESULT unless -o names another.
+
+\b
+Examples:
+  plumbline export building.fit.json --to lensfun
+  plumbline export building.fit.json --to imagemagick -o correct.sh
+  plumbline export panorama.pto --to hugin-ini
+"""
+
+
+@click.command("export", help=_HELP, short_help="Write a calibrated lens for another program.")
+@click.argument("result")
+@click.option("--to", "target", type=click.Choice(_TARGETS), required=True, help="What to write.")
+@click.option(
+    "--image",
+    type=click.IntRange(min=0),
+    metavar="N",
+    help="Take lens number N of the file, counted from 0, where it holds several.",
+)
+@click.option("--force", is_flag=True, help="Write although the refit deviates by over 0.1 px.")
+@options.labelling
+@click.option("-o", "--output", metavar="FILE", help="Write this file.")
+@options.overwriting
+def command(
+    result: str,
+    target: str,
+    image: int | None,
+    force: bool,
+    output: str | None,
+    overwrite: bool,
+    **labels: Any,
+) -> None:
+    """Read, convert, write, print."""
+    from plumbline.errors import printable
+    from plumbline.files import refuse_to_clobber, write_atomically
+    from plumbline.lenses.export_files import export_file
+
+    names = {"lens_name": "model", "focal": "focal_mm"}
+    facts = {names.get(name, name): value for name, value in labels.items() if value is not None}
+    place = Path(output) if output else None
+    if target == "stmap":
+        made = _stmap(result, place, image)
+    else:
+        made = export_file(result, target, place, image, facts, force=force)
+    refuse_to_clobber(made.path, [result], overwrite=overwrite)
+    write_atomically({made.path: made.content})
+    if made.deviation_px is not None:
+        click.echo(
+            f"Refitted to {made.model}: at most {made.deviation_px:.3f} px off over the photo."
+        )
+    for note in made.notes:
+        click.echo(f"Note: {printable(note)}.")
+    click.echo(f"Wrote {printable(str(made.path))}")
+
+
+def _stmap(result: str, output: Path | None, image: int | None) -> ExportedFile:
+    """The sampling map of photos of the size that was calibrated."""
+    from plumbline.files import read_bytes
+    from plumbline.formats.base import Source
+    from plumbline.imaging.mapfile import map_bytes
+    from plumbline.lenses.correction import Correction
+    from plumbline.lenses.export_files import ExportedFile, one_lens
+
+    stored = one_lens(Source(result, read_bytes(result)), image)
+    path = output or Path(result).with_suffix(".stmap.tif")
+    lens = stored.lens
+    correction = Correction(lens.distort, lens.undistort, lens.frame.size, "")
+    return ExportedFile(path, map_bytes(correction, path), notes=stored.notes)

@@ -1,0 +1,65 @@
+"""Options about the lens of a photo, shared by `lens` and `correct`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from plumbline.cli.options import Pair, Positive, Start, stacked
+
+if TYPE_CHECKING:
+    from plumbline.lenses.request import LensRequest
+
+choosing = stacked(
+    click.option(
+        "--lens",
+        metavar="SOURCE",
+        help="Take the lens from this file: a result or zoom JSON, a Hugin or PTGui project, a "
+        "LensFun XML file or folder, a PTLens profile, a Hugin lens .ini.",
+    ),
+    click.option(
+        "--ptlens",
+        type=Start(),
+        metavar="VALUES",
+        help="Take these coefficients, as a=0,b=-0.02,c=0.",
+    ),
+    click.option("--camera", metavar="NAME", help="Maker and model, where EXIF is silent."),
+    click.option("--lens-name", metavar="NAME", help="Name of the lens, to choose among several."),
+    click.option(
+        "--like", metavar="CAMERA", help="Take the lens of this comparable camera instead."
+    ),
+    click.option("--focal", type=Positive(), metavar="MM", help="Focal length in millimetres."),
+    click.option(
+        "--crop-factor",
+        type=Positive(),
+        metavar="NUMBER",
+        help="Diagonal of the 35-mm frame over that of the sensor, as much of it as the photo "
+        "shows.",
+    ),
+    click.option(
+        "--full-size",
+        type=Pair(),
+        metavar="WxH",
+        help="Size of the whole picture, at the photo's scale, that the photo is a crop of.",
+    ),
+)
+"""What verbs that look up a lens take; `request_of` makes a request of their values."""
+
+
+def request_of(
+    lens: str | None,
+    ptlens: Any,
+    camera: str | None,
+    lens_name: str | None,
+    like: str | None,
+    focal: float | None,
+    crop_factor: float | None,
+    full_size: tuple[int, int] | None,
+) -> LensRequest:
+    """The request that the options of `choosing` stand for."""
+    from plumbline.lenses.request import LensRequest
+
+    if isinstance(ptlens, str):
+        raise click.BadParameter("give coefficients as a=0,b=-0.02,c=0", param_hint="--ptlens")
+    return LensRequest(lens, ptlens, camera, lens_name, like, focal, crop_factor, full_size)

@@ -1,0 +1,92 @@
+"""`plumbline zoom`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from plumbline.cli import options
+
+_HELP = """Join calibrations at several focal lengths into one lens.
+
+RESULT: JSONs that `fit` wrote. Several at one focal length, also from different specimens of a
+camera, are pooled by their covariances and their scatter is shown. Each coefficient is joined
+over focal length; focal lengths where another calibration is most needed are named.
+
+The suffix of -o says what is written: .json for `correct --lens`, .xml for LensFun, .txt for the
+LensFun contributors' script (lenses.txt).
+
+\b
+Examples:
+  plumbline zoom 18mm.json 35mm.json 55mm.json -o zoom.json -o zoom.xml
+  plumbline zoom *.json --method polynomial --degree 3 --plot zoom.svg
+"""
+
+
+@click.command(
+    "zoom", help=_HELP, short_help="Join calibrations at several focal lengths into one lens."
+)
+@click.argument("results", nargs=-1, required=True, metavar="RESULT…")
+@click.option(
+    "--method",
+    type=click.Choice(["linear", "hermite", "polynomial"]),
+    default="hermite",
+    show_default=True,
+    help="How coefficients run over focal length: straight, as LensFun does, or by a polynomial "
+    "weighted by the standard errors.",
+)
+@click.option(
+    "--degree",
+    type=click.IntRange(0, 20),
+    default=3,
+    show_default=True,
+    help="Degree of the polynomial.",
+)
+@click.option("--plot", metavar="FILE", help="Plot the coefficients with error bars (.png, .svg).")
+@options.lens_labels
+@click.option(
+    "-o",
+    "--output",
+    multiple=True,
+    metavar="FILE",
+    help="Write this file (.json, .xml or .txt); may be given several times.",
+)
+@options.overwriting
+def command(
+    results: tuple[str, ...],
+    method: Any,
+    degree: int,
+    plot: str | None,
+    output: tuple[str, ...],
+    overwrite: bool,
+    **labels: Any,
+) -> None:
+    """Read, join, print, write."""
+    from rich.console import Console
+
+    from plumbline.errors import printable
+    from plumbline.files import refuse_to_clobber, write_atomically
+    from plumbline.lenses.zoom_files import read_zoom_lens, zoom_bytes
+    from plumbline.report.zoom import print_zoom
+
+    lens = read_zoom_lens(results, method, degree, labels)
+    contents: dict[Path, bytes] = {}
+    notes: list[str] = []
+    for name in output:
+        content, more = zoom_bytes(lens, Path(name))
+        contents[Path(name)] = content
+        notes += more
+    if plot is not None:
+        from plumbline.report.zoom_plot import plot_zoom
+
+        contents[Path(plot)] = plot_zoom(lens, Path(plot))
+    for target in contents:
+        refuse_to_clobber(target, results, overwrite=overwrite)
+    write_atomically(contents)
+    print_zoom(Console(), lens)
+    for note in dict.fromkeys(notes):
+        click.echo(f"Note: {printable(note)}.")
+    for target in contents:
+        click.echo(f"Wrote {printable(str(target))}")

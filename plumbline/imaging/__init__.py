@@ -1,0 +1,1 @@
+"""Photographs as pixels: reading, resampling and writing them."""

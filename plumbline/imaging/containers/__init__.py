@@ -1,0 +1,1 @@
+"""What picture files hold beside their pixels, read and written byte for byte."""

@@ -1,0 +1,40 @@
+"""What a photograph says of itself, apart from its pixels."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from plumbline._version import __version__
+
+CORRECTED = "corrected by plumbline"
+"""Stands in EXIF's Software of every photograph that plumbline corrected."""
+
+_MOST_OF_A_NOTE = 240
+_FOLDERS = re.compile(r"\S*[\\/](?=[^\s\\/]+\.\w{2,4}\b)")
+
+
+@dataclass(frozen=True)
+class Metadata:
+    """Metadata on its way from one file into another.
+
+    Attributes:
+        exif: The EXIF block, a small TIFF file of its own; may be empty.
+        icc: The ICC colour profile; may be empty.
+        xmp: The XMP packet; may be empty.
+        dpi: Pixels an inch across and down.
+        records: Whole segments or chunks, for a file of the same format.
+    """
+
+    exif: bytes = b""
+    icc: bytes = b""
+    xmp: bytes = b""
+    dpi: tuple[float, float] | None = None
+    records: tuple[bytes, ...] = ()
+
+
+def note_of(description: str) -> str:
+    """The note of a correction, plain ASCII, without the user's folders."""
+    plain = " ".join(description.encode("ascii", "replace").decode().split())
+    plain = _FOLDERS.sub("", plain)
+    return f"{CORRECTED} {__version__} ({plain[:_MOST_OF_A_NOTE]})"

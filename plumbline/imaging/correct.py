@@ -1,0 +1,243 @@
+"""Correct photographs: one, in an array, or many, one file at a time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+
+from plumbline.calibration import Calibration
+from plumbline.errors import OptionError
+from plumbline.facts import LensFacts
+from plumbline.files import read_bytes, write_atomically
+from plumbline.imaging.containers.metadata import note_of
+from plumbline.imaging.difference import difference_png
+from plumbline.imaging.encode import encode, format_of
+from plumbline.imaging.maps import SamplingMap
+from plumbline.imaging.picture import Pixels, decode
+from plumbline.imaging.resample import Border, resample
+from plumbline.imaging.settings import Settings
+from plumbline.imaging.targets import DIFFERENCE, SUFFIX, beside, check_target
+from plumbline.imaging.view import view_of
+from plumbline.lens import Lens
+from plumbline.lenses.correction import Correction
+from plumbline.lenses.exif import PhotoFacts, read_photo
+from plumbline.lenses.request import LensRequest
+
+LensSource = Calibration | Lens | Correction | LensRequest | str | Path | None
+
+
+@dataclass(frozen=True)
+class Corrected:
+    """What was done to a photograph.
+
+    Attributes:
+        photo: The original.
+        output: The corrected photograph.
+        description: The lens that was found and used, in one sentence.
+        notes: What the user should know, in plain sentences.
+        difference: The picture of the differences, if asked for.
+    """
+
+    photo: Path
+    output: Path
+    description: str
+    notes: tuple[str, ...] = ()
+    difference: Path | None = None
+
+
+def correct(
+    photo: str | Path,
+    lens: LensSource = None,
+    output: str | Path | None = None,
+    *,
+    overwrite: bool = False,
+    **settings: Any,
+) -> Corrected:
+    """Correct the lens distortion of one photograph, and write the result to a file.
+
+    Args:
+        photo: JPEG, TIFF, PNG, WebP or whatever Pillow reads.
+        lens: A calibration, a lens, a file that holds one, or what is known of it; by default
+            it is looked up by the photo's EXIF.
+        output: Where to; beside the photo, with `_corrected` after its name, by default.
+        overwrite: Replace a file that plumbline did not make.
+        **settings: The fields of `Settings`: interpolation, scale, border, quality, inverse,
+            difference.
+
+    Returns:
+        What was found and done.
+
+    Raises:
+        PlumblineError: the photo cannot be read, no lens is found, or the target cannot be
+            written; nothing is written then.
+
+    Example:
+        >>> import plumbline
+        >>> plumbline.correct("facade.jpg", "building.json").output  # doctest: +SKIP
+        PosixPath('facade_corrected.jpg')
+    """
+    source = Path(photo)
+    target = Path(output) if output else beside(source, SUFFIX)
+    return correct_file(source, target, lens, Settings(**settings), overwrite=overwrite)
+
+
+def correct_array(pixels: Pixels, lens: Lens | Calibration | Correction, **settings: Any) -> Pixels:
+    """Correct the lens distortion of pixels in memory.
+
+    Args:
+        pixels: Shape (rows, columns) or (rows, columns, channels), 8 or 16 bit; the last of 2
+            or 4 channels is alpha.
+        lens: The lens; it is scaled to the picture.
+        **settings: The fields of `Settings` that matter here: interpolation, scale, border,
+            inverse.
+
+    Returns:
+        The corrected pixels; with border "transparent" they have an alpha channel.
+
+    Raises:
+        OptionError: the array is no picture, or a setting is unknown.
+    """
+    if pixels.ndim not in (2, 3) or pixels.dtype.name not in ("uint8", "uint16") or not pixels.size:
+        raise OptionError(
+            f"an array of shape {pixels.shape} and type {pixels.dtype} is no picture",
+            hint="give rows, columns and channels as uint8 or uint16",
+        )
+    if pixels.ndim == 3 and pixels.shape[2] == 1:
+        return correct_array(pixels[..., 0], lens, **settings)[..., None]
+    facts = PhotoFacts((pixels.shape[1], pixels.shape[0]), LensFacts())
+    return _corrected(pixels, correction_for(facts, lens), Settings(**settings))
+
+
+def correction_for(photo: PhotoFacts, lens: LensSource) -> Correction:
+    """The correction of a photo by whatever names a lens.
+
+    Raises:
+        PlumblineError: no lens is found, or it does not fit the photo.
+    """
+    if isinstance(lens, Correction):
+        if lens.size != photo.size:
+            raise OptionError("the correction was made for a photo of another size")
+        return lens
+    from plumbline.lenses import lookup, profile, sources
+
+    if isinstance(lens, Calibration):
+        stored = sources.of_calibration(lens)
+    elif isinstance(lens, Lens):
+        stored = sources.StoredLens(lens, LensFacts(), ())
+    else:
+        request = lens if isinstance(lens, LensRequest) else _request(lens)
+        return lookup.find_correction(photo, request)
+    described = f"the {stored.lens.model.label} lens given"
+    return profile.correction(sources.profile_of(stored, described), photo, LensRequest())
+
+
+def _request(source: str | Path | None) -> LensRequest:
+    return LensRequest(source=None if source is None else str(source))
+
+
+def correct_file(
+    photo: Path,
+    target: Path,
+    lens: LensSource,
+    settings: Settings,
+    *,
+    overwrite: bool = False,
+    threads: int | None = None,
+) -> Corrected:
+    """Correct one photograph; see `correct`.
+
+    Args:
+        photo: The original.
+        target: The file to write.
+        lens: The lens.
+        settings: How to correct.
+        overwrite: Replace a file that plumbline did not make.
+        threads: Number of threads; one a core by default.
+    """
+    compared = beside(target, DIFFERENCE).with_suffix(".png") if settings.difference else None
+    for each in (target, compared):
+        if each is not None:
+            check_target(each, photo, overwrite=overwrite)
+    _check_border(settings, target)
+    facts = read_photo(photo)
+    found = correction_for(facts, lens)
+    picture = decode(read_bytes(photo), photo)
+    pixels = _corrected(
+        picture.pixels,
+        found,
+        settings,
+        orientation=facts.orientation,
+        inks=picture.inks,
+        threads=threads,
+    )
+    result = replace(picture, pixels=pixels)
+    contents: dict[Path, bytes] = {}
+    if compared is not None:
+        contents[compared] = difference_png(picture, result, compared)
+    contents[target], lost = encode(result, target, settings.quality, note_of(found.description))
+    write_atomically(contents)
+    notes = (*found.notes, *picture.notes, *lost)
+    return Corrected(photo, target, found.description, notes, compared)
+
+
+def _check_border(settings: Settings, target: Path) -> None:
+    """Refuse what cannot be, before any work is done."""
+    if settings.border == "transparent" and format_of(target) == "JPEG":
+        raise OptionError(
+            "JPEG cannot be transparent", hint="name a .png or .tif with -o, or another --border"
+        )
+
+
+def _corrected(
+    pixels: Pixels,
+    found: Correction,
+    settings: Settings,
+    *,
+    orientation: int = 1,
+    inks: bool = False,
+    threads: int | None = None,
+) -> Pixels:
+    view = view_of(found, orientation=orientation, scale=settings.scale, inverse=settings.inverse)
+    if view.stored_size != pixels.shape[1::-1]:
+        raise OptionError("the correction was made for a photo of another size")
+    if settings.border == "transparent":
+        if inks:
+            raise OptionError(
+                "a CMYK picture cannot be transparent", hint="choose another --border"
+            )
+        pixels = _with_alpha(pixels)
+    channels = 1 if pixels.ndim == 2 else pixels.shape[2]
+    alpha = channels in (2, 4) and not inks
+    full = float(np.iinfo(pixels.dtype).max)
+    outside = _outside(settings.border, channels, full, alpha=alpha, inks=inks)
+    sampling = SamplingMap(view.stored_size, view.observed)
+    return resample(pixels, sampling, settings.interpolation, outside, alpha=alpha, threads=threads)
+
+
+def _outside(
+    border: Border, channels: int, full: float, *, alpha: bool, inks: bool
+) -> tuple[float, ...] | None:
+    """The value of each channel where the photo shows nothing; None to repeat its edge."""
+    if border == "edge":
+        return None
+    if border == "transparent":
+        return (0.0,) * channels
+    if inks:
+        return 0.0, 0.0, 0.0, full if border == "black" else 0.0
+    colour = full if border == "white" else 0.0
+    return (colour,) * (channels - 1) + (full if alpha else colour,)
+
+
+def _with_alpha(pixels: Pixels) -> Pixels:
+    """The pixels with an opaque alpha channel; 16-bit grey becomes colour, for its files."""
+    if pixels.ndim == 3 and pixels.shape[2] in (2, 4):
+        return pixels
+    if pixels.ndim == 3:
+        return cv2.cvtColor(pixels, cv2.COLOR_BGR2BGRA)
+    if pixels.dtype == np.uint16:
+        return cv2.cvtColor(pixels, cv2.COLOR_GRAY2BGRA)
+    return np.stack((pixels, np.full_like(pixels, np.iinfo(pixels.dtype).max)), axis=-1)

@@ -1,0 +1,75 @@
+"""Coordinates instead of pixels: picked points corrected, and back."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+from plumbline.errors import OptionError, ReadError
+from plumbline.imaging.correct import LensSource, correction_for
+from plumbline.lenses.correction import Correction
+from plumbline.lenses.exif import PhotoFacts, read_photo
+from plumbline.observations import Observations
+from plumbline.reading import read
+
+
+def read_points(
+    path: str | Path, photo: str | Path | None = None, size: tuple[int, int] | None = None
+) -> Observations:
+    """Picked points, for correcting them.
+
+    Raises:
+        PlumblineError: they cannot be read, or the size of their photo is not known.
+    """
+    try:
+        return read(path, photo=photo, size=size)
+    except ReadError as error:
+        if photo is None and size is None and "size" in error.message:
+            error.hint = "name the photo too, or give its size with --size WIDTHxHEIGHT"
+        raise
+
+
+def correct_points(
+    observations: Observations,
+    lens: LensSource = None,
+    *,
+    photo: str | Path | None = None,
+    inverse: bool = False,
+) -> tuple[Observations, tuple[Correction, ...]]:
+    """Map observed points to ideal ones, or with `inverse` ideal ones to observed ones.
+
+    Args:
+        observations: The points.
+        lens: As `correct` takes it.
+        photo: The photograph, whose EXIF tells of its lens.
+        inverse: Go the other way.
+
+    Returns:
+        The points where they belong, and the correction used for each photo.
+
+    Raises:
+        PlumblineError: no lens is found, or it folds before it reaches a point.
+    """
+    used = {line.photo for line in observations.lines}
+    if photo is not None and len(used) > 1:
+        raise OptionError(
+            f"the points lie in {len(used)} photos, and one is named", hint="leave the photo out"
+        )
+    found = {index: correction_for(_facts(observations, index, photo), lens) for index in used}
+    lines = tuple(
+        replace(
+            line,
+            points_px=(found[line.photo].distort if inverse else found[line.photo].undistort)(
+                line.points_px
+            ),
+        )
+        for line in observations.lines
+    )
+    return replace(observations, lines=lines), tuple(found[index] for index in sorted(used))
+
+
+def _facts(observations: Observations, index: int, photo: str | Path | None) -> PhotoFacts:
+    if photo is not None:
+        return read_photo(photo)
+    shot = observations.photos[index]
+    return PhotoFacts(shot.frame.size, observations.lenses[shot.lens], name=shot.name)

@@ -1,0 +1,171 @@
+"""Which files to correct, where each result goes, and what must not be written over."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from plumbline.errors import OptionError, ReadError, WriteError
+from plumbline.imaging.containers.metadata import CORRECTED
+
+SUFFIX = "_corrected"
+DIFFERENCE = "_difference"
+
+_PICTURES = frozenset((".jpg", ".jpeg", ".jpe", ".tif", ".tiff", ".png", ".webp"))
+_LOOKED_AT = 2**18  # bytes at either end of a file
+
+
+@dataclass(frozen=True)
+class Task:
+    """One photograph to correct.
+
+    Attributes:
+        photo: The original.
+        target: The file to write.
+    """
+
+    photo: Path
+    target: Path
+
+
+def beside(path: Path, suffix: str) -> Path:
+    """The file's name with something after its stem."""
+    return path.with_name(f"{path.stem}{suffix}{path.suffix}")
+
+
+def plan(
+    sources: Sequence[str | Path], output: str | Path | None, suffix: str | None = None
+) -> list[Task]:
+    """The photographs that files and folders name, each with its target.
+
+    Folders are searched to any depth; hidden files, and results of an earlier run, which bear
+    the suffix, are left out; so is a named file that is the result of another one. Photographs
+    of a folder keep their places below an output folder.
+
+    Args:
+        sources: Files and folders.
+        output: A folder, or a file where there is one photograph; None writes beside it.
+        suffix: What results bear after their names; `_corrected` by default beside their
+            originals, and nothing in an output folder.
+
+    Raises:
+        ReadError: a folder cannot be read, or holds no picture.
+        OptionError: one output file is named for several photographs, or two photographs have
+            the same target.
+    """
+    if suffix is not None and (os.sep in suffix or "/" in suffix or "\0" in suffix):
+        raise OptionError(f"the suffix {suffix!r} is no part of a file name")
+    result = SUFFIX if suffix is None else suffix
+    found: list[tuple[Path, Path]] = []  # the photo, and its place below an output folder
+    for source in map(Path, sources):
+        if source.is_dir():
+            photos = _pictures(source, result, output)
+            found += [(photo, photo.relative_to(source)) for photo in photos]
+        else:
+            found.append((source, Path(source.name)))
+    if output is None:
+        tasks = [Task(photo, beside(photo, result)) for photo, _ in found]
+    elif _is_folder(output):
+        tasks = [Task(photo, Path(output) / beside(place, suffix or "")) for photo, place in found]
+    elif len(found) == 1:
+        tasks = [Task(found[0][0], Path(output))]
+    else:
+        raise OptionError(
+            f"{output} is one file for {len(found)} photographs", hint="name a folder with -o"
+        )
+    tasks = list(dict.fromkeys(tasks))
+    made_from = {task.target.absolute(): task.photo for task in tasks}
+    tasks = [t for t in tasks if made_from.get(t.photo.absolute(), t.photo) == t.photo]
+    _refuse_collisions(tasks)
+    return tasks
+
+
+def _is_folder(output: str | Path) -> bool:
+    """Whether the user means a folder: there is one, or the name looks like one."""
+    return Path(output).is_dir() or str(output).endswith(("/", os.sep)) or not Path(output).suffix
+
+
+def _pictures(folder: Path, suffix: str, output: str | Path | None) -> list[Path]:
+    """Originals below a folder, those in the output folder left out."""
+    results = None if output is None else Path(output).absolute()
+
+    def stop(error: OSError) -> None:
+        raise ReadError(
+            f"the folder cannot be read: {error.strerror}", path=error.filename or folder
+        ) from None
+
+    found: list[Path] = []
+    for place, folders, files in os.walk(folder, onerror=stop):
+        folders[:] = sorted(
+            name
+            for name in folders
+            if not name.startswith(".") and Path(place, name).absolute() != results
+        )
+        found += [Path(place, name) for name in sorted(files) if _is_original(name, suffix)]
+    if not found:
+        raise ReadError(
+            "there is no picture in this folder",
+            path=folder,
+            hint="JPEG, TIFF, PNG and WebP are looked for",
+        )
+    return found
+
+
+def _is_original(name: str, suffix: str) -> bool:
+    path = Path(name)
+    result = bool(suffix) and path.stem.endswith((suffix, suffix + DIFFERENCE))
+    return path.suffix.lower() in _PICTURES and not name.startswith(".") and not result
+
+
+def _refuse_collisions(tasks: Iterable[Task]) -> None:
+    taken: dict[Path, Path] = {}
+    for task in tasks:
+        target = task.target.absolute()
+        if target in taken and taken[target] != task.photo:
+            raise OptionError(
+                f"{taken[target]} and {task.photo} would both become {task.target}",
+                hint="correct their folders instead of the files, or one after the other",
+            )
+        taken[target] = task.photo
+
+
+def check_target(target: Path, photo: Path, *, overwrite: bool) -> None:
+    """Refuse to write over the original, or over a file that plumbline did not make.
+
+    Raises:
+        WriteError: as said, or there is no such folder.
+    """
+    try:
+        if not target.parent.is_dir():
+            raise WriteError("the folder does not exist", path=target, hint="make it first")
+        if not target.exists():
+            return
+        if photo.exists() and target.samefile(photo):
+            raise WriteError(
+                "this is the original, and is never overwritten",
+                path=target,
+                hint="choose another name with -o, or a --suffix",
+            )
+        if not target.is_file():
+            raise WriteError("this is no regular file", path=target, hint="name a file with -o")
+        if not overwrite and not _is_ours(target):
+            raise WriteError(
+                "this file exists and was not written by plumbline",
+                path=target,
+                hint="choose another name with -o, or replace it with --overwrite",
+            )
+    except OSError as error:
+        raise WriteError(
+            f"the file cannot be written: {error.strerror}", path=target, hint="choose another -o"
+        ) from None
+
+
+def _is_ours(target: Path) -> bool:
+    """Whether the file bears the note that every corrected photograph gets."""
+    with target.open("rb") as file:
+        looked_at = file.read(_LOOKED_AT)
+        file.seek(max(file.seek(0, os.SEEK_END) - _LOOKED_AT, 0))
+        looked_at += file.read(_LOOKED_AT)
+    return CORRECTED.encode() in looked_at

@@ -1,0 +1,99 @@
+"""Choose one of several matching lenses, or ask which."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from plumbline.errors import OptionError, printable
+from plumbline.wording import listed
+
+_FAR = 0.1
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A lens that may be meant.
+
+    Attributes:
+        name: Its name, as `--lens-name` takes it.
+        range_mm: Shortest and longest calibrated focal length; None if not calibrated.
+        attached: Whether a converter is attached to the camera's own lens.
+        score: How well its name matches; larger is better.
+    """
+
+    name: str
+    range_mm: tuple[float, float] | None
+    attached: bool = False
+    score: int = 0
+
+    def __str__(self) -> str:
+        if self.range_mm is None:
+            return f"{printable(self.name)} (distortion not calibrated)"
+        low, high = self.range_mm
+        span = f"{low:g} mm" if low == high else f"{low:g}–{high:g} mm"
+        return f"{printable(self.name)} ({span})"
+
+    def covers(self, focal_mm: float | None) -> bool:
+        """Whether the lens is calibrated within 10 % of a focal length."""
+        if self.range_mm is None:
+            return False
+        low, high = self.range_mm
+        return focal_mm is None or low * (1 - _FAR) <= focal_mm <= high * (1 + _FAR)
+
+
+def choose(
+    candidates: Sequence[Candidate], named: str | None, focal_mm: float | None, where: str
+) -> tuple[int, str]:
+    """The number of the lens that is meant, and a note if others were left aside.
+
+    A lens named word for word wins; lenses without distortion or out of the focal length go,
+    then, unless one is asked for by name, those with a converter attached.
+
+    Raises:
+        OptionError: none or several are left.
+    """
+    if not candidates:
+        raise OptionError(f"{where} has no lens for this photo", hint="name another with --lens")
+    exact = [i for i, each in enumerate(candidates) if named and _same(each.name, named)] or range(
+        len(candidates)
+    )
+    left = [i for i in exact if candidates[i].covers(focal_mm)]
+    if not left:
+        if len(exact) == 1 and candidates[exact[0]].range_mm is not None:
+            return exact[0], ""  # the focal length is refused with its own sentence
+        raise OptionError(_none_fits(candidates, focal_mm, where), hint=_calibrate(candidates))
+    note = ""
+    if len(left) > 1 and not named:
+        plain = [i for i in left if not candidates[i].attached]
+        if len(plain) == 1:
+            aside = [str(candidates[i]) for i in left if i not in plain]
+            note = f"lenses with a converter were left aside: {listed(aside, 4)} (--lens-name)"
+            left = plain
+    best = [i for i in left if candidates[i].score == max(candidates[j].score for j in left)]
+    if len(best) > 1 or (not named and len(left) > 1):
+        raise OptionError(
+            f"several lenses of {where} match this photo: "
+            + listed([str(candidates[i]) for i in left], 12),
+            hint="say which with --lens-name, or name a file with --lens",
+        )
+    if len(left) > 1:
+        aside = [str(candidates[i]) for i in left if i != best[0]]
+        note = f"it matches best; others that match: {listed(aside, 4)} (--lens-name)"
+    return best[0], note
+
+
+def _same(name: str, other: str) -> bool:
+    return name.casefold().split() == other.casefold().split()
+
+
+def _none_fits(candidates: Sequence[Candidate], focal_mm: float | None, where: str) -> str:
+    names = listed([str(each) for each in candidates], 8)
+    at = f" at {focal_mm:.4g} mm" if focal_mm else ""
+    return f"no matching lens of {where} is calibrated for distortion{at}: {names}"
+
+
+def _calibrate(candidates: Sequence[Candidate]) -> str:
+    if all(each.range_mm is None for each in candidates):
+        return "calibrate the lens with plumbline fit, and name the result with --lens"
+    return "give the right focal length with --focal, or calibrate the lens at this one"

@@ -1,0 +1,79 @@
+"""Find the lens of a photograph: in what the user names, or by its EXIF.
+
+Without a source the user's own calibrations are looked through first, then LensFun's databases.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from plumbline.errors import OptionError
+from plumbline.lenses import lensfun, sources, store
+from plumbline.lenses.choosing import Candidate
+from plumbline.lenses.correction import Correction
+from plumbline.lenses.exif import PhotoFacts
+from plumbline.lenses.profile import LensProfile, correction
+from plumbline.lenses.request import LensRequest
+
+__all__ = ["LensRequest", "LookUp", "find_correction", "look_up"]
+
+
+@dataclass(frozen=True)
+class LookUp:
+    """What was found for a photo.
+
+    Attributes:
+        profile: The lens that would be used.
+        candidates: The lenses of the database that match.
+    """
+
+    profile: LensProfile
+    candidates: tuple[Candidate, ...] = ()
+
+
+def find_correction(photo: PhotoFacts, request: LensRequest) -> Correction:
+    """Find the lens of a photograph, and lay it over the photograph.
+
+    Args:
+        photo: What the photograph says of itself.
+        request: What the user says.
+
+    Raises:
+        PlumblineError: no lens, or more than one, is found, or the photo is a crop of unknown
+            size; the sentence says what to add.
+    """
+    return correction(look_up(photo, request).profile, photo, request)
+
+
+def look_up(photo: PhotoFacts, request: LensRequest) -> LookUp:
+    """Find the lens of a photograph, with the candidates that were looked at.
+
+    Raises:
+        PlumblineError: no lens, or more than one, is found.
+    """
+    if request.source is not None and request.ptlens is not None:
+        raise OptionError(
+            "the lens is given twice, as a file and as coefficients",
+            hint="give one of --lens and --ptlens",
+        )
+    if request.ptlens is not None:
+        if request.like is not None:
+            raise OptionError("--like and --ptlens are both given", hint="leave one of them out")
+        return LookUp(sources.given_outright(photo, request))
+    if request.source is not None:
+        return LookUp(*sources.find_in_file(photo, request))
+    own, notes = store.find(photo, request)
+    if own is not None:
+        return LookUp(_as_asked(own, photo, request).with_notes(*notes))
+    profile, candidates = lensfun.from_database(photo, request)
+    return LookUp(profile.with_notes(*notes), candidates)
+
+
+def _as_asked(profile: LensProfile, photo: PhotoFacts, request: LensRequest) -> LensProfile:
+    """One of the user's own calibrations; with `like`, that of another camera, and said so."""
+    if request.like is None:
+        return profile
+    own = request.camera or photo.facts.camera or "this camera"
+    note = f"{own} is treated like the {profile.camera}, as --like asks"
+    crop = photo.facts.crop_factor if profile.crop_factor else None
+    return replace(profile, photo_crop=crop or profile.crop_factor).with_notes(note)

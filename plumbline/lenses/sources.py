@@ -1,0 +1,168 @@
+"""Files that hold a lens, told apart by their content; each made a profile for a photo."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path, PurePosixPath
+
+import numpy as np
+
+from plumbline.errors import OptionError, printable
+from plumbline.facts import LensFacts
+from plumbline.files import ZOOM, read_bytes
+from plumbline.formats import ptlens_profile
+from plumbline.formats.base import Source
+from plumbline.frame import Frame
+from plumbline.lens import Lens
+from plumbline.lenses import lensfun, ptlens, zoom_json
+from plumbline.lenses.choosing import Candidate
+from plumbline.lenses.exif import PhotoFacts
+from plumbline.lenses.profile import LensProfile, clamp_focal
+from plumbline.lenses.request import LensRequest
+from plumbline.lenses.stored import StoredLens, of_calibration, stored_lenses
+from plumbline.models import CENTRE, get_model
+from plumbline.wording import listed
+
+__all__ = [
+    "StoredLens",
+    "find_in_file",
+    "given_outright",
+    "of_calibration",
+    "profile_of",
+    "stored_lens_profile",
+]
+
+_LARGEST = 100.0
+
+Found = tuple[LensProfile, tuple[Candidate, ...]]
+
+
+def find_in_file(photo: PhotoFacts, request: LensRequest) -> Found:
+    """The lens in the file or folder that the request names.
+
+    Raises:
+        PlumblineError: the file is damaged or holds no lens, or none for this photo.
+    """
+    path = request.source or ""
+    if Path(path).is_dir():
+        return lensfun.from_file(path, photo, request)
+    source = Source(path, read_bytes(path))
+    head = source.head.lstrip()
+    if head.startswith("<"):
+        return lensfun.from_file(path, photo, request)
+    if ptlens_profile.recognises(source):
+        return ptlens.find(ptlens_profile.read_ptlens(source), path, photo, request)
+    if request.like is not None:
+        raise OptionError(
+            f"--like chooses a camera of a database, and {path} is none",
+            hint="leave out --like, or --lens",
+        )
+    if head.startswith("{") and f'"{ZOOM}"' in head[:1024]:
+        return zoom_json.read_zoom(source).profile(photo, request), ()
+    return _profile(stored_lenses(source), path, photo, request), ()
+
+
+def profile_of(stored: StoredLens, description: str) -> LensProfile:
+    """A stored lens, free of its picture's pixels."""
+    lens, facts = stored.lens, stored.facts
+    width, height = lens.frame.square_size
+    diagonal_px = float(np.hypot(width, height))
+    unit_px = lens.unit_px
+    dx, dy = (lens.coefficients[name] for name in CENTRE)
+    return LensProfile(
+        description,
+        lens.model,
+        tuple(lens.coefficients[name] for name in lens.model.coefficients),
+        unit_px / diagonal_px,
+        size=lens.frame.size,
+        aspect=width / height,
+        observed_centre=(dx * lens.frame.pixel_aspect / unit_px, dy / unit_px),
+        camera=facts.camera,
+        crop_factor=facts.crop_factor,
+        pixel_aspect=lens.frame.pixel_aspect,
+        notes=stored.notes,
+    )
+
+
+def _profile(
+    lenses: Sequence[StoredLens], path: str, photo: PhotoFacts, request: LensRequest
+) -> LensProfile:
+    """The lens that belongs to the photo: by its name, else by its focal length."""
+    focal_mm = request.focal_mm or photo.facts.focal_mm
+    stored, note = _of_photo(lenses, path, photo, focal_mm)
+    return stored_lens_profile(stored, path, focal_mm).with_notes(note)
+
+
+def stored_lens_profile(stored: StoredLens, path: str, focal_mm: float | None) -> LensProfile:
+    """A stored lens for a photo at a focal length, which must be its own to 10 %.
+
+    Raises:
+        OptionError: it is not.
+    """
+    calibrated_mm = stored.facts.focal_mm
+    at, clamped = "", ""
+    if calibrated_mm:
+        _, clamped = clamp_focal(focal_mm, (calibrated_mm, calibrated_mm), path)
+        at = f" at {calibrated_mm:.4g} mm"
+    names = (*stored.lens.model.coefficients, *CENTRE)
+    values = [(name, stored.lens.coefficients[name]) for name in names]
+    shown = ", ".join(f"{name} = {value:.6g}" for name, value in values if value)
+    what = printable(stored.facts.model or stored.facts.camera or "the lens")
+    description = f"{what}{at}, {stored.lens.model.label} {shown or 'without distortion'}, from "
+    return profile_of(stored, description + path).with_notes(clamped)
+
+
+def _of_photo(
+    lenses: Sequence[StoredLens], path: str, photo: PhotoFacts, focal_mm: float | None
+) -> tuple[StoredLens, str]:
+    own = photo.name.casefold()
+    for stored in lenses:
+        if own and own in {_base(name).casefold() for name in stored.photos}:
+            return stored, ""
+    alike = [each for each in lenses if _values(each) == _values(lenses[0])]
+    if len(alike) == len(lenses):
+        return lenses[0], ""
+    known = [each for each in lenses if each.facts.focal_mm]
+    if known and focal_mm and len({each.facts.focal_mm for each in known}) == len(lenses):
+        return min(known, key=lambda each: abs((each.facts.focal_mm or 0) - focal_mm)), ""
+    names = listed(
+        [name or "unnamed" for name, *_ in (each.photos for each in lenses if each.photos)], 4
+    )
+    return lenses[0], (
+        f"{path} holds {len(lenses)} lenses and does not name this photo: those of its first image "
+        f"were taken (images: {printable(names)})"
+    )
+
+
+def _values(stored: StoredLens) -> tuple[object, ...]:
+    return tuple(sorted(stored.lens.coefficients.items())), stored.lens.frame.size
+
+
+def _base(name: str) -> str:
+    return PurePosixPath(name.replace("\\", "/")).name
+
+
+def given_outright(photo: PhotoFacts, request: LensRequest) -> LensProfile:
+    """The lens of coefficients typed in.
+
+    Raises:
+        OptionError: a name is none of a, b, c, d, e.
+    """
+    given = dict(request.ptlens or {})
+    wrong = sorted(set(given) - {"a", "b", "c", *CENTRE})
+    if wrong:
+        raise OptionError(
+            f"{', '.join(wrong)} is no coefficient of the ptlens model",
+            hint="give them as --ptlens a=0,b=-0.02,c=0; d and e, the centre, are in pixels",
+        )
+    if any(abs(given.get(name, 0.0)) > _LARGEST for name in ("a", "b", "c")):
+        raise OptionError(
+            "a coefficient of --ptlens is impossibly large", hint="check its decimal dot"
+        )
+    values = dict.fromkeys(("a", "b", "c", *CENTRE), 0.0) | given
+    whole = request.full_size or photo.size
+    lens = Lens(get_model("ptlens"), Frame(*whole), values)
+    shown = ", ".join(f"{name} = {value:g}" for name, value in given.items())
+    profile = profile_of(StoredLens(lens, LensFacts()), f"the coefficients {shown}")
+    return replace(profile, size=None, aspect=None)

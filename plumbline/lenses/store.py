@@ -1,0 +1,160 @@
+"""The user's own calibrations: result and zoom JSONs in the user's data folder."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+from plumbline.errors import OptionError, ReadError, WriteError
+from plumbline.facts import LensFacts
+from plumbline.files import RESULT, ZOOM, read_bytes, write_atomically
+from plumbline.formats.base import Source
+from plumbline.lenses import zoom_json
+from plumbline.lenses.exif import PhotoFacts
+from plumbline.lenses.profile import LensProfile
+from plumbline.lenses.request import LensRequest
+from plumbline.lenses.sources import stored_lens_profile
+from plumbline.lenses.stored import stored_lenses
+from plumbline.lenses.zoom_json import StoredZoom
+from plumbline.result_json import from_json
+from plumbline.wording import listed
+
+_MOST_FILES = 10_000
+
+
+def folder() -> Path:
+    """Where the user's own calibrations are."""
+    from platformdirs import user_data_path
+
+    return user_data_path("plumbline", appauthor=False) / "lenses"
+
+
+def add(path: str, *, overwrite: bool = False) -> Path:
+    """Copy a result or zoom JSON into the store.
+
+    Args:
+        path: The file.
+        overwrite: Replace a stored one of the same camera, lens and focal length.
+
+    Raises:
+        ReadError: the file is damaged, or no such JSON.
+        OptionError: it does not tell the camera or the focal length, so nothing could find it.
+        WriteError: there is one already, or the store cannot be written.
+    """
+    source = Source(path, read_bytes(path))
+    head = source.head.lstrip()[:1024]
+    if f'"{ZOOM}"' in head:
+        lens = zoom_json.read_zoom(source).lens
+        low, high = lens.range_mm
+        name = _name(path, lens.facts, f"{low:g}-{high:g}mm")
+    elif f'"{RESULT}"' in head:
+        made = list(from_json(source.text(), path))
+        if len(made) != 1:
+            raise OptionError(
+                f"{path} holds {len(made)} calibrations",
+                hint="fit each lens by itself (--image N), or join them with plumbline zoom",
+            )
+        facts = made[0].observations.lenses[0]
+        focal_mm = facts.focal_length_mm(made[0].lens.frame)
+        if focal_mm is None:
+            raise OptionError(
+                f"{path} does not tell its focal length, so that no photo could find it",
+                hint="fit again with --focal, or with --photo and a photo whose EXIF tells it",
+            )
+        name = _name(path, facts, f"{focal_mm:.4g}mm")
+    else:
+        raise ReadError(
+            "this is no calibration or zoom lens written by plumbline",
+            path=path,
+            hint="write one with plumbline fit POINTS -o result.json, or plumbline zoom",
+        )
+    target = folder() / name
+    if target.exists() and not overwrite:
+        raise WriteError(
+            "there is a calibration of this camera, lens and focal length already",
+            path=target,
+            hint="replace it with --overwrite",
+        )
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise WriteError(
+            f"the folder cannot be made: {error.strerror or error}",
+            path=target.parent,
+            hint="make it writable, or name the file with --lens instead",
+        ) from None
+    write_atomically({target: source.content})
+    return target
+
+
+def find(photo: PhotoFacts, request: LensRequest) -> tuple[LensProfile | None, tuple[str, ...]]:
+    """The user's own calibration for a photo, if there is one.
+
+    Returns:
+        The profile or None, and notes on calibrations that were not used.
+    """
+    notes: list[str] = []
+    found: list[tuple[float, LensProfile]] = []
+    misses: list[str] = []
+    focal_mm = request.focal_mm or photo.facts.focal_mm
+    for path in _files():
+        try:
+            source = Source(str(path), read_bytes(path))
+            if f'"{ZOOM}"' in source.head[:1024]:
+                stored = zoom_json.read_zoom(source)
+                facts, calibrated = stored.lens.facts, stored.lens.range_mm
+            else:
+                stored = next(iter(stored_lenses(source)))
+                facts = stored.facts
+                own = facts.focal_length_mm(stored.lens.frame) or 0.0
+                calibrated = (own, own)
+        except ReadError as error:
+            notes.append(f"a calibration of your own was left aside: {error.message}")
+            continue
+        if not _fits(facts, photo, request):
+            continue
+        try:
+            if isinstance(stored, StoredZoom):
+                profile = stored.profile(photo, request)
+            else:
+                known = replace(stored, facts=replace(facts, focal_mm=calibrated[0]))
+                profile = stored_lens_profile(known, str(path), focal_mm)
+        except OptionError:
+            misses.append("–".join(f"{each:.4g}" for each in dict.fromkeys(calibrated)) + " mm")
+            continue
+        nearest = min(max(focal_mm or calibrated[0], calibrated[0]), calibrated[1])
+        found.append((abs((focal_mm or nearest) - nearest), profile))
+    if not found:
+        if misses:
+            notes.append(
+                f"your own calibrations of this camera, at {listed(misses)}, do not cover the photo"
+            )
+        return None, tuple(notes)
+    return min(found, key=lambda each: each[0])[1], tuple(notes)
+
+
+def _files() -> list[Path]:
+    try:
+        return sorted(folder().glob("*.json"))[:_MOST_FILES]
+    except OSError:
+        return []
+
+
+def _fits(facts: LensFacts, photo: PhotoFacts, request: LensRequest) -> bool:
+    """Whether a calibration is of the photo's camera and lens, as far as both tell."""
+    camera = request.like or request.camera or photo.facts.camera
+    if not camera or facts.camera.casefold().split() != camera.casefold().split():
+        return False
+    lens = request.lens_name or photo.facts.model
+    return not (lens and facts.model) or lens.casefold().split() == facts.model.casefold().split()
+
+
+def _name(path: str, facts: LensFacts, focal: str) -> str:
+    if not facts.camera:
+        raise OptionError(
+            f"{path} does not tell its camera, so that no photo could find it",
+            hint="fit again with --photo and a photo whose EXIF names the camera",
+        )
+    words = " ".join(filter(None, (facts.camera, facts.model, focal)))
+    return re.sub(r"[^A-Za-z0-9.+-]+", "_", words).strip("_.")[:150] + ".json"

@@ -1,0 +1,242 @@
+"""`plumbline correct` as a process: lenses, points, maps, many photographs, refusals."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+from PIL import Image
+
+import plumbline
+from tests.imaging.painted import centroids, dots, grid_inside, texture
+from tests.truth import Array, TrueLens
+
+ROOT = Path(__file__).parents[2]
+OLYMPUS = ROOT.parent / "shared" / "data" / "olympus"
+PTLENS = ("--ptlens", "a=0,b=-0.05,c=0")
+SIZE = (600, 400)
+TRUTH = TrueLens("ptlens", {"a": 0.0, "b": -0.05, "c": 0.0}, SIZE)
+
+
+def plumb(folder: Path, *arguments: str, status: int = 0) -> subprocess.CompletedProcess[str]:
+    done = subprocess.run(
+        [sys.executable, "-m", "plumbline", *arguments],
+        cwd=folder,
+        env=os.environ | {"PYTHONPATH": str(ROOT), "COLUMNS": "100"},
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert done.returncode == status, done.stderr
+    assert "Traceback" not in done.stderr
+    return done
+
+
+def photo(path: Path, seed: int = 0) -> Path:
+    Image.fromarray(texture(SIZE, seed=seed)).save(path)
+    return path
+
+
+def test_it_says_what_was_found_and_written(tmp_path: Path) -> None:
+    photo(tmp_path / "a.jpg")
+    done = plumb(tmp_path, "correct", "a.jpg", *PTLENS)
+    assert done.stdout.startswith("Wrote a_corrected.jpg, used: ")
+    assert "b = -0.05" in done.stdout
+    assert (tmp_path / "a_corrected.jpg").exists()
+    assert plumb(tmp_path, "correct", "a.jpg", *PTLENS, "-q").stdout == ""
+
+
+@pytest.mark.parametrize(
+    ("arguments", "target"),
+    [
+        (("--suffix", "_ptr"), "a_ptr.jpg"),
+        (("-o", "b.png"), "b.png"),
+        (("-o", "new/"), "new/a.jpg"),
+        (("-o", "new", "--suffix", "_x"), "new/a_x.jpg"),
+    ],
+)
+def test_names_of_results(tmp_path: Path, arguments: tuple[str, ...], target: str) -> None:
+    photo(tmp_path / "a.jpg")
+    plumb(tmp_path, "correct", "a.jpg", *PTLENS, *arguments)
+    assert (tmp_path / target).exists()
+
+
+def test_many_photographs_one_of_them_bad(tmp_path: Path) -> None:
+    (tmp_path / "in" / "sub").mkdir(parents=True)
+    for seed, name in enumerate(("a.jpg", "b.jpg", "sub/c.jpg")):
+        photo(tmp_path / "in" / name, seed)
+    (tmp_path / "in" / "bad.jpg").write_bytes(b"nonsense")
+    for jobs in ("1", "2"):
+        out = f"out{jobs}"
+        done = plumb(tmp_path, "correct", "in", *PTLENS, "-o", out, "--jobs", jobs, status=1)
+        assert "Corrected 3 photos, 1 failed: in/bad.jpg." in done.stdout
+        assert "Error: in/bad.jpg: this is no picture that can be read." in done.stderr
+        written = {
+            str(path.relative_to(tmp_path / out)) for path in (tmp_path / out).rglob("*.jpg")
+        }
+        assert written == {"a.jpg", "b.jpg", "sub/c.jpg"}
+    (tmp_path / "in" / "bad.jpg").unlink()
+    done = plumb(tmp_path, "correct", "in", *PTLENS, "-o", "out1", "--skip-existing")
+    assert "Corrected 0 photos, skipped 3 done before." in done.stdout
+
+
+def test_a_dask_scheduler_does_it(tmp_path: Path) -> None:
+    distributed = pytest.importorskip(
+        "distributed", reason="Dask is not installed, so there is no cluster to try"
+    )
+    photo(tmp_path / "a.jpg")
+    photo(tmp_path / "b.jpg", 1)
+    with distributed.LocalCluster(
+        n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None,
+        protocol="tcp://",
+    ) as cluster:  # fmt: skip
+        done = plumb(
+            tmp_path, "correct", "a.jpg", "b.jpg", *PTLENS,
+            "--scheduler", cluster.scheduler_address,
+        )  # fmt: skip
+    assert "Corrected 2 photos." in done.stdout
+    assert (tmp_path / "b_corrected.jpg").exists()
+
+
+def test_a_scheduler_that_is_not_there(tmp_path: Path) -> None:
+    pytest.importorskip("distributed", reason="Dask is not installed")
+    photo(tmp_path / "a.jpg")
+    arguments = ("correct", "a.jpg", ".", *PTLENS, "--scheduler", "tcp://127.0.0.1:1")
+    assert "does not answer" in plumb(tmp_path, *arguments, status=1).stderr
+
+
+def _rows(path: Path) -> tuple[list[str], Array]:
+    header, *rows = list(csv.reader(path.read_text().splitlines()))
+    assert header == ["line", "x", "y"]
+    return [row[0] for row in rows], np.array([[float(v) for v in row[1:]] for row in rows])
+
+
+def test_points_instead_of_pixels_and_back(tmp_path: Path) -> None:
+    ideal = grid_inside(SIZE, 6, 4, 50)
+    observed = TRUTH.distort(ideal)
+    lines = ["line,x,y", *(f"{i // 6},{x!r},{y!r}" for i, (x, y) in enumerate(observed.tolist()))]
+    (tmp_path / "picks.csv").write_text("\n".join(lines))
+    plumb(tmp_path, "correct", "--points", "picks.csv", "--size", "600x400", *PTLENS)
+    labels, found = _rows(tmp_path / "picks_corrected.csv")
+    assert labels == [str(i // 6) for i in range(24)]
+    assert np.max(np.abs(found - ideal)) < 1e-9
+    plumb(
+        tmp_path, "correct", "--points", "picks_corrected.csv", "--inverse", *PTLENS,
+        "--size", "600x400", "-o", "back.csv",
+    )  # fmt: skip
+    assert np.max(np.abs(_rows(tmp_path / "back.csv")[1] - observed)) < 1e-9
+    photo(tmp_path / "a.jpg")
+    plumb(tmp_path, "correct", "a.jpg", "--points", "picks.csv", *PTLENS, "-o", "again.csv")
+    assert np.array_equal(_rows(tmp_path / "again.csv")[1], found)
+    done = plumb(tmp_path, "correct", "--points", "picks.csv", *PTLENS, status=1)
+    assert "--size WIDTHxHEIGHT" in done.stderr
+
+
+def test_the_map_as_a_file(tmp_path: Path) -> None:
+    photo(tmp_path / "a.jpg")
+    for name in ("map.tif", "map.npz"):
+        plumb(tmp_path, "correct", "a.jpg", *PTLENS, "--map", name)
+    assert not (tmp_path / "a_corrected.jpg").exists()
+    x, y = np.meshgrid(np.arange(SIZE[0]), np.arange(SIZE[1]))
+    expected = TRUTH.distort(np.stack((x, y), axis=-1).astype(float))
+    observed = np.load(tmp_path / "map.npz")["observed_px"]
+    assert np.max(np.abs(observed - expected)) < 0.01
+    stmap: Any = cv2.imread(str(tmp_path / "map.tif"), cv2.IMREAD_UNCHANGED)
+    assert stmap.dtype == np.float32
+    red, green = stmap[..., 2] * SIZE[0] - 0.5, (1 - stmap[..., 1]) * SIZE[1] - 0.5
+    assert np.max(np.abs(np.stack((red, green), axis=-1) - expected)) < 0.01
+    assert not stmap[..., 0].any()
+
+
+def test_pixels_the_other_way(tmp_path: Path) -> None:
+    ideal = grid_inside(SIZE, 6, 4, 60)
+    Image.fromarray(np.rint(dots(SIZE, ideal) * 250).astype(np.uint8)).save(tmp_path / "a.png")
+    plumb(tmp_path, "correct", "a.png", *PTLENS, "--inverse")
+    found = centroids(np.asarray(Image.open(tmp_path / "a_corrected.png")), TRUTH.distort(ideal))
+    assert np.max(np.hypot(*(found - TRUTH.distort(ideal)).T)) < 0.05
+
+
+@pytest.mark.parametrize(
+    ("arguments", "status", "sentence"),
+    [
+        (("correct", *PTLENS), 2, "name a photo"),
+        (("correct", "a.jpg", "b.jpg", *PTLENS, "--map", "m.tif"), 1, "one photo"),
+        (("correct", "a.jpg", *PTLENS, "--map", "m.png"), 1, "cannot be written as .png"),
+        (("correct", "a.jpg", *PTLENS, "--size", "5x5"), 1, "--points"),
+        (("correct", "a.jpg", *PTLENS, "-o", "a.jpg"), 1, "never overwritten"),
+        (("correct", "a.jpg", *PTLENS, "-o", "no/b.jpg"), 1, "folder does not exist"),
+        (("correct", "a.jpg", *PTLENS, "--border", "transparent"), 1, "cannot be transparent"),
+        (("correct", "missing.jpg", *PTLENS), 1, "no such photo"),
+        (("correct", "a.jpg", *PTLENS, "--quality", "101"), 2, "--quality"),
+        (("correct", "a.jpg", "--ptlens", "file"), 2, "--ptlens"),
+    ],
+)
+def test_refusals(tmp_path: Path, arguments: tuple[str, ...], status: int, sentence: str) -> None:
+    photo(tmp_path / "a.jpg")
+    before = (tmp_path / "a.jpg").read_bytes()
+    assert sentence in plumb(tmp_path, *arguments, status=status).stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["a.jpg"]
+    assert (tmp_path / "a.jpg").read_bytes() == before
+
+
+def test_neither_jax_nor_matplotlib_is_imported(tmp_path: Path) -> None:
+    photo(tmp_path / "a.jpg")
+    script = (
+        "import sys\nfrom plumbline.cli import command\n"
+        f"command(['correct', 'a.jpg', {', '.join(map(repr, PTLENS))}], standalone_mode=False)\n"
+        "bad = {'jax', 'matplotlib', 'optimistix', 'equinox'} & set(sys.modules)\n"
+        "assert not bad, bad\n"
+    )
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    subprocess.run([sys.executable, "-c", script], cwd=tmp_path, env=environment, check=True)
+    assert (tmp_path / "a_corrected.jpg").exists()
+
+
+def _rms_px(lines: dict[str, list[Array]]) -> float:
+    """Root mean square distance of points from their total least-squares lines."""
+    squares: list[Array] = []
+    for points in lines.values():
+        away = np.array(points) - np.mean(points, axis=0)
+        squares.append((away @ np.linalg.svd(away)[2][1]) ** 2)
+    return float(np.sqrt(np.mean(np.concatenate(squares))))
+
+
+def test_the_worked_example_has_straight_joints(tmp_path: Path) -> None:
+    if not OLYMPUS.exists():
+        pytest.skip("the worked example's photograph is not here")
+    for name in ("building.pto", "olympus_c250l_9.2mm.JPG"):
+        shutil.copy(OLYMPUS / name, tmp_path)
+    plumb(tmp_path, "fit", "building.pto", "-o", "result.json")
+    plumb(tmp_path, "correct", "--points", "building.pto", "--lens", "result.json")
+    rms: list[float] = []
+    for points in ("building.pto", "building_corrected.csv"):
+        if points.endswith(".csv"):
+            labels, found = _rows(tmp_path / points)
+        else:
+            observations = plumbline.read(tmp_path / points)
+            labels = [line.label for line in observations.lines for _ in line.points_px]
+            found = np.concatenate([line.points_px for line in observations.lines])
+        lines: dict[str, list[Array]] = {}
+        for label, point in zip(labels, found, strict=True):
+            lines.setdefault(label, []).append(point)
+        rms.append(_rms_px(lines))
+    assert abs(rms[0] - 2.870) < 0.001
+    assert rms[1] < 0.405
+    done = plumb(tmp_path, "correct", "olympus_c250l_9.2mm.JPG", "--lens", "result.json")
+    assert "ptlens" in done.stdout
+    assert json.loads((tmp_path / "result.json").read_text())["model"] == "ptlens"
+    with (
+        Image.open(tmp_path / "olympus_c250l_9.2mm.JPG") as before,
+        Image.open(tmp_path / "olympus_c250l_9.2mm_corrected.JPG") as after,
+    ):
+        assert after.size == before.size

@@ -1,0 +1,55 @@
+"""`plumbline export`, run as a user runs it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from plumbline.result_json import to_json
+from tests.cli.process import plumbline
+from tests.lenses.made import calibration, saved
+
+
+def test_beside_the_result(tmp_path: Path) -> None:
+    result = saved(tmp_path / "r.json", calibration(b=-0.02))
+    done = plumbline("export", result, "--to", "lensfun", home=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "r.lensfun.xml").read_bytes().startswith(b"<?xml")
+
+
+def test_a_refit_prints_its_deviation_and_may_need_force(tmp_path: Path) -> None:
+    mild = saved(tmp_path / "m.json", calibration("division", l1=-0.02))
+    done = plumbline("export", mild, "--to", "pto", home=tmp_path)
+    assert "Refitted to ptlens: at most 0.0" in done.stdout
+    strong = saved(tmp_path / "s.json", calibration("division", l1=-0.15))
+    done = plumbline("export", strong, "--to", "pto", home=tmp_path)
+    assert done.returncode == 1
+    assert "--force" in done.stderr
+    assert not (tmp_path / "s.pto.pto").exists()
+    done = plumbline("export", strong, "--to", "pto", "--force", home=tmp_path)
+    assert done.returncode == 0
+    assert "Refitted to ptlens: at most" in done.stdout
+
+
+def test_an_st_map(tmp_path: Path) -> None:
+    result = saved(tmp_path / "r.json", calibration(size=(256, 192), b=-0.02))
+    done = plumbline("export", result, "--to", "stmap", home=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "r.stmap.tif").read_bytes()[:2] in (b"II", b"MM")
+
+
+def test_one_of_several(tmp_path: Path) -> None:
+    path = tmp_path / "r.json"
+    path.write_text(to_json([calibration(b=-0.02, focal_mm=f) for f in (8.0, 9.0)]))
+    done = plumbline("export", path, "--to", "imagemagick", home=tmp_path)
+    assert done.returncode == 1
+    assert "--image" in done.stderr
+    done = plumbline("export", path, "--to", "imagemagick", "--image", "1", home=tmp_path)
+    assert done.returncode == 0
+
+
+def test_the_original_is_never_written_over(tmp_path: Path) -> None:
+    result = saved(tmp_path / "r.json", calibration(b=-0.02))
+    before = Path(result).read_bytes()
+    done = plumbline("export", result, "--to", "json", "-o", result, "--overwrite", home=tmp_path)
+    assert done.returncode == 1
+    assert Path(result).read_bytes() == before

@@ -1,0 +1,76 @@
+"""`plumbline lens`, run as a user runs it."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.cli.process import plumbline
+from tests.lenses.made import calibration, saved
+from tests.lenses.photos import photo
+
+
+@pytest.fixture
+def coolpix(tmp_path: Path) -> Path:
+    return photo(tmp_path / "a.jpg", (2048, 1536), make="NIKON", model="E995", focal=8.2)
+
+
+def test_what_would_be_used_and_the_candidates(coolpix: Path, tmp_path: Path) -> None:
+    done = plumbline("lens", coolpix, home=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "2048x1536, NIKON E995, 8.2 mm" in done.stdout
+    assert "Used: Nikon E995 & compatibles (Standard) on Nikon E995 at 8.2 mm" in done.stdout
+    assert "Matching lenses:" in done.stdout
+    assert "with WC-E63 (8.2–16.9 mm)" in done.stdout
+    assert "Lensfun" not in done.stderr
+
+
+def test_add_and_find(coolpix: Path, tmp_path: Path) -> None:
+    result = saved(tmp_path / "r.json", calibration(b=-0.123))
+    done = plumbline("lens", "add", result, home=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "Wrote" in done.stdout
+    assert "b = -0.123" in plumbline("lens", coolpix, home=tmp_path).stdout
+    again = plumbline("lens", "add", result, home=tmp_path)
+    assert again.returncode == 1
+    assert "--overwrite" in again.stderr
+    assert plumbline("lens", "add", result, "--overwrite", home=tmp_path).returncode == 0
+
+
+def test_questions_are_sentences(tmp_path: Path) -> None:
+    done = plumbline("lens", photo(tmp_path / "b.jpg"), home=tmp_path)
+    assert done.returncode == 1
+    assert "Error: the photo has no EXIF that names its camera." in done.stderr
+    assert "--camera" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_a_photo_that_is_none(tmp_path: Path) -> None:
+    (tmp_path / "x.jpg").write_bytes(b"\xff\xd8")
+    done = plumbline("lens", tmp_path / "x.jpg", home=tmp_path)
+    assert done.returncode == 1
+    assert "Traceback" not in done.stderr
+
+
+def test_coefficients_need_names(coolpix: Path, tmp_path: Path) -> None:
+    done = plumbline("lens", coolpix, "--ptlens", "0,1,2", home=tmp_path)
+    assert done.returncode == 2
+    done = plumbline("lens", coolpix, "--ptlens", "file", home=tmp_path)
+    assert done.returncode == 2
+
+
+def test_neither_jax_nor_matplotlib_is_loaded(coolpix: Path) -> None:
+    program = (
+        "import sys\n"
+        "from plumbline.lenses.exif import read_photo\n"
+        "from plumbline.lenses.lookup import LensRequest, find_correction\n"
+        f"find_correction(read_photo({str(coolpix)!r}), LensRequest())\n"
+        "print({'jax', 'matplotlib', 'scipy'} & {n.split('.')[0] for n in sys.modules})"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
+    assert done.stdout.strip() == "set()"

@@ -1,0 +1,72 @@
+"""Calibrations made up for tests: coefficients given, points that no fit was needed for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from plumbline.calibration import Calibration
+from plumbline.facts import LensFacts
+from plumbline.frame import Array, Frame
+from plumbline.lens import Lens
+from plumbline.models import get_model
+from plumbline.observations import Line, Observations, Photo
+from plumbline.result_json import to_json
+
+
+def calibration(
+    model: str = "ptlens",
+    size: tuple[int, int] = (2048, 1536),
+    *,
+    errors: dict[str, float] | None = None,
+    covariance: Array | None = None,
+    focal_mm: float | None = 8.2,
+    crop_factor: float | None = 4.843,
+    camera: str = "NIKON E995",
+    lens: str = "",
+    name: str = "facade.jpg",
+    focal_px: float | None = None,
+    pixel_aspect: float = 1.0,
+    coefficients: Mapping[str, float] | None = None,
+    **values: float,
+) -> Calibration:
+    """A calibration with the values given, and zeros."""
+    kind = get_model(model)
+    zero = dict.fromkeys((*kind.coefficients, "d", "e"), 0.0)
+    every = zero | dict(coefficients or {}) | values
+    usual = "b" if model == "ptlens" else kind.coefficients[0]
+    known = {usual: 0.001} if errors is None else errors
+    free = tuple(known)
+    spread = np.diag([error**2 for error in known.values()]).reshape(len(free), len(free))
+    points = np.array([[10.0, 10.0], [100.0, 12.0], [200.0, 10.0]])
+    observations = Observations(
+        (Photo(size, name, pixel_aspect=pixel_aspect),),
+        (Line(points, 0, "1"),),
+        (
+            LensFacts(
+                maker="NIKON", model=lens, camera=camera, focal_mm=focal_mm, crop_factor=crop_factor
+            ),
+        ),
+    )
+    return Calibration(
+        observations=observations,
+        lens=Lens(kind, Frame(*size, pixel_aspect), every, focal_px),
+        free=free,
+        start=zero,
+        residual="image",
+        covariance=spread if covariance is None else covariance,
+        sigma_px=0.5,
+        dof=1,
+        residuals_px=(np.zeros(3),),
+        rms_corrected_px=0.0,
+        converged=True,
+        reason="converged",
+    )
+
+
+def saved(path: Path, made: Calibration) -> str:
+    """Its JSON in a file."""
+    path.write_text(to_json([made]))
+    return str(path)
