@@ -26,12 +26,13 @@ if TYPE_CHECKING:
         OptionError,
         PlumblineError,
         ReadError,
+        UnsettledError,
         UnsupportedModelError,
         WriteError,
     )
     from plumbline.facts import LensFacts
     from plumbline.fit.calibrate import calibrate, calibrate_many
-    from plumbline.formats import FORMATS
+    from plumbline.formats.known import FORMATS
     from plumbline.frame import Frame
     from plumbline.imaging.batch import Outcome, correct_many
     from plumbline.imaging.correct import Corrected, correct, correct_array
@@ -50,11 +51,12 @@ _HOMES = {
         "OptionError",
         "PlumblineError",
         "ReadError",
+        "UnsettledError",
         "UnsupportedModelError",
         "WriteError",
     ),
     "plumbline.fit.calibrate": ("calibrate", "calibrate_many"),
-    "plumbline.formats": ("FORMATS",),
+    "plumbline.formats.known": ("FORMATS",),
     "plumbline.frame": ("Frame",),
     "plumbline.imaging.batch": ("Outcome", "correct_many"),
     "plumbline.imaging.correct": ("Corrected", "correct", "correct_array"),
@@ -85,6 +87,7 @@ __all__ = [
     "Photo",
     "PlumblineError",
     "ReadError",
+    "UnsettledError",
     "UnsupportedModelError",
     "WriteError",
     "__version__",

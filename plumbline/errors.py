@@ -7,6 +7,7 @@
     │   └── UnsupportedModelError
     ├── DegenerateLinesError     the lines cannot show what is asked of them
     │   └── CollapsedFitError    the fit ran off to a nonsensical lens
+    ├── UnsettledError           a fit without a result is to be written for other programs
     └── FoldedError              a point lies where the distortion folds over
 
 Every message is one sentence for the user; `hint` is the remedy. A fit that does not
@@ -71,6 +72,10 @@ class DegenerateLinesError(PlumblineError):
 
 class CollapsedFitError(DegenerateLinesError):
     """The fit reached a small residual by shrinking or folding the photo."""
+
+
+class UnsettledError(PlumblineError):
+    """A fit that did not reach a minimum has no result that other programs could use."""
 
 
 class FoldedError(PlumblineError):

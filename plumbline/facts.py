@@ -7,11 +7,13 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from plumbline.errors import OptionError
 from plumbline.frame import Frame
 
 FULL_FRAME_MM = float(np.hypot(36, 24))
 """Diagonal of the 35-mm frame, 43.27 mm, which crop factors are relative to."""
 
+_SAME_FOCAL = 0.02
 _SAME_CROP = 1e-3
 
 
@@ -76,6 +78,20 @@ class LensFacts:
         if self.focal_mm or not (focal_px and self.crop_factor):
             return self.focal_mm
         return focal_px * FULL_FRAME_MM / self.crop_factor / float(np.hypot(*frame.square_size))
+
+    def refuse_contradiction(self, frame: Frame) -> None:
+        """Refuse two focal lengths that do not belong together.
+
+        Raises:
+            OptionError: that in pixels differs by more than 2 % from that in millimetres.
+        """
+        in_mm = replace(self, focal_px=None, hfov_deg=None).focal_length_px(frame)
+        if self.focal_px and in_mm and abs(self.focal_px / in_mm - 1) > _SAME_FOCAL:
+            raise OptionError(
+                f"contradictory focal lengths: {self.focal_mm:g} mm at a crop factor of "
+                f"{self.crop_factor:.4g} are {in_mm:.0f} px, not {self.focal_px:g}",
+                hint="leave out --focal-px, or correct --focal or --crop-factor",
+            )
 
     def completed(self, more: LensFacts) -> LensFacts:
         """These facts, with what they do not know taken from others about the same lens.

@@ -28,7 +28,7 @@ Hugin writes at most 15 digits, so a project with a longer one was not saved by 
 """
 
 _MOST_BYTES = 2**31
-_NAME_A_FILE = "name a file of picked points"
+_NAME_A_FILE = "name another file"
 _MOST_LOOKED_AT = 2**20
 _MOST_OF_HEADER = 1024
 _NEW_FILE = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
@@ -77,7 +77,7 @@ def refuse_to_clobber(target: Path, inputs: Sequence[str], *, overwrite: bool) -
         raise _unwritable(target, error) from None
     if is_input:
         raise WriteError(
-            "this is the file the points come from, and is never overwritten",
+            "this is a file that is read here, and is never overwritten",
             path=target,
             hint="choose another name with -o",
         )

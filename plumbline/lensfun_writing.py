@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -14,6 +15,8 @@ from plumbline.formats.lensfun import MODELS, Distortion, LensfunLens, lensfun_x
 from plumbline.frame import Frame
 
 _SAME_SHAPE = 0.02
+
+_FLAGS = re.compile(r" \(--[^)]*\)")
 
 
 def lensfun_bytes(calibrations: Sequence[Calibration]) -> bytes:
@@ -157,4 +160,5 @@ def _comment(calibrations: Sequence[Calibration]) -> str:
             f"{made.observations.n_points} points on {len(made.observations.lines)} lines, "
             f"rms {made.rms_before_px:.3f} px before, {made.rms_after_px:.3f} px after"
         )
-    return "; ".join([*parts, *label_notes(calibrations)])
+    labels = [_FLAGS.sub("", note) for note in label_notes(calibrations)]
+    return "; ".join([*parts, *labels])

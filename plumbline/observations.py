@@ -149,11 +149,14 @@ class Observations:
             lines.append(replace(line, points_px=points))
         return replace(self, photos=tuple(photos), lines=tuple(lines))
 
-    def checked(self) -> Observations:
+    def checked(self, *, ideal: bool = False) -> Observations:
         """The same observations after the checks that need no fit.
 
         Lines with fewer than three distinct points are set aside with a note; exact
         duplicates of a point on its line are dropped with a note.
+
+        Args:
+            ideal: The points are ideal ones, which may lie outside their photos.
 
         Raises:
             OptionError: a size is missing or absurd, a coordinate is not finite, or a point
@@ -166,7 +169,7 @@ class Observations:
         short: list[str] = []
         duplicates = 0
         for line in self.lines:
-            self._check_points(line)
+            self._check_points(line, ideal=ideal)
             first = line.first_of_each()
             duplicates += len(line.points_px) - len(first)
             if len(first) < 3:
@@ -196,9 +199,10 @@ class Observations:
         """The name of the file they came from with a colon, for messages; else empty."""
         return f"{self.origins[0].path}: " if len(self.origins) == 1 else ""
 
-    def _check_points(self, line: Line) -> None:
+    def _check_points(self, line: Line, *, ideal: bool) -> None:
         frame = self.photos[line.photo].frame
-        good = frame.contains(line.points_px)  # NaN and infinity lie nowhere
+        finite = np.isfinite(line.points_px).all(axis=-1)
+        good = finite if ideal else frame.contains(line.points_px)  # NaN lies nowhere
         if np.all(good):
             return
         worst = int(np.argmin(good))

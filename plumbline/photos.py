@@ -8,7 +8,7 @@ from pathlib import Path
 
 from plumbline.errors import ReadError
 from plumbline.facts import LensFacts, best_crop_factor
-from plumbline.formats import Source
+from plumbline.formats.base import Source
 from plumbline.lenses.exif import PhotoFacts, read_photo
 from plumbline.observations import Photo
 

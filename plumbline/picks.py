@@ -23,6 +23,7 @@ class Photo:
         lens: Index into `Observations.lenses`.
         pixel_aspect: Width of one pixel over its height.
         number: Its number in the file it was named by.
+        source: Name of the file of points, where that holds this photo alone.
     """
 
     size: tuple[int, int] | None
@@ -30,6 +31,7 @@ class Photo:
     lens: int = 0
     pixel_aspect: float = 1.0
     number: int = 0
+    source: str = ""
 
     @property
     def frame(self) -> Frame:

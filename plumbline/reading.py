@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
+from pathlib import Path, PurePath
 
 from plumbline.calibration import Calibration
 from plumbline.errors import OptionError, ReadError
 from plumbline.facts import LensFacts
 from plumbline.files import read_bytes
-from plumbline.formats import Source, format_of
-from plumbline.formats.base import Order, ReadOptions
+from plumbline.formats.base import Order, ReadOptions, Source
+from plumbline.formats.known import format_of
 from plumbline.lenses.exif import PhotoFacts, read_photo
 from plumbline.observations import Observations, Origin, Photo
 from plumbline.photos import (
@@ -37,6 +37,7 @@ def read(
     grid: tuple[int, int] | None = None,
     order: Order = "raster",
     pixel_aspect: float = 1.0,
+    ideal: bool = False,
 ) -> Observations:
     """Read picked points from a file of any known format.
 
@@ -49,6 +50,7 @@ def read(
         grid: Rows and columns, where one polyline holds a whole grid (WinMorph).
         order: How that polyline runs: each row from the left, or back and forth.
         pixel_aspect: Width of one pixel over its height, for video frames.
+        ideal: The points are ideal ones, which may lie outside the photo.
 
     Returns:
         Checked observations.
@@ -65,6 +67,13 @@ def read(
     """
     source = Source(str(path), read_bytes(path))
     found = format_of(source, format)
+    if grid is not None and found.name != "winmorph":
+        raise OptionError(
+            f"{path}: a grid is for WinMorph files, and this one is read as {found.name}",
+            hint="leave out --grid, or name the format with --format winmorph",
+        )
+    if grid is not None and min(grid) < 2:
+        raise OptionError("a grid has at least two rows and two columns", hint="as --grid 7x9")
     shot = None if photo is None else read_photo(photo)
     known = size if size is not None or shot is None else shot.size
     raw = _chosen(source, found.read(source, ReadOptions(known, grid, order)), image)
@@ -95,12 +104,15 @@ def read(
         lenses=tuple(lenses),
         notes=tuple(notes),
         origins=(Origin(str(path), found.name, source.content),),
-    ).checked()
+    ).checked(ideal=ideal)
 
 
 def _chosen(source: Source, raw: Observations, image: int | None) -> Observations:
     """The photos by their numbers, or only the one that the user wants."""
-    photos = tuple(replace(photo, number=number) for number, photo in enumerate(raw.photos))
+    only = PurePath(source.path).name if len(raw.photos) == 1 else ""
+    photos = tuple(
+        replace(photo, number=number, source=only) for number, photo in enumerate(raw.photos)
+    )
     raw = replace(raw, photos=photos)
     if image is None:
         return raw

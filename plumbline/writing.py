@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from plumbline.calibration import Calibration
-from plumbline.errors import OptionError, UnsupportedModelError, WriteError
+from plumbline.errors import OptionError, UnsettledError, UnsupportedModelError, WriteError
 from plumbline.files import refuse_to_clobber, write_atomically
 from plumbline.formats.csv import write_csv
 from plumbline.formats.pto_writing import new_project, rewritten
@@ -38,6 +38,7 @@ def write(
         WriteError: the file exists and is not plumbline's, or cannot be written.
         UnsupportedModelError: the format cannot hold the distortion model.
         OptionError: LensFun needs a focal length or a crop factor that is not known.
+        UnsettledError: a fit did not reach a minimum; only JSON holds it.
     """
     calibrations = [result] if isinstance(result, Calibration) else list(result)
     target = Path(path)
@@ -63,7 +64,27 @@ def result_bytes(
         )
     inputs = [path for made in calibrations for path in _inputs(made.observations)]
     refuse_to_clobber(target, inputs, overwrite=overwrite)
+    if suffix != ".json":
+        refuse_unsettled(calibrations)
     return makers[suffix](calibrations)
+
+
+def refuse_unsettled(calibrations: Sequence[Calibration]) -> None:
+    """Refuse fits that did not reach a minimum.
+
+    Raises:
+        UnsettledError: there is one; the sentence names its worst line.
+    """
+    for made in calibrations:
+        if made.converged:
+            continue
+        worst = max(made.lines, key=lambda line: line.rms_after_px)
+        raise UnsettledError(
+            f"{made.observations.named}there is no result: {made.reason}; line {worst.label} is "
+            f"farthest from straight, by {worst.rms_after_px:.3g} px (rms)",
+            hint="check that every pick is on its line and that the photo's size (and --grid) is "
+            "right",
+        )
 
 
 def write_points(observations: Observations, path: str | Path, *, overwrite: bool = False) -> Path:

@@ -169,6 +169,7 @@ def test_the_public_names() -> None:
         "Photo",
         "PlumblineError",
         "ReadError",
+        "UnsettledError",
         "UnsupportedModelError",
         "WriteError",
         "__version__",

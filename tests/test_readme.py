@@ -10,7 +10,7 @@ import pytest
 
 import plumbline
 from plumbline.cli import VERBS
-from plumbline.formats import FORMATS
+from plumbline.formats.known import FORMATS
 from plumbline.models import MODELS
 from plumbline.result_json import as_dict
 from tests.readme import README, ROOT, blocks, output

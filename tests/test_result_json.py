@@ -328,7 +328,7 @@ def test_contradictions_are_found(path: str, value: Any) -> None:
 
 
 def test_a_calibration_that_was_read_is_not_mixed_up_with_its_project(tmp_path: Path) -> None:
-    made = replace(calibration(), remarks=())
+    made = replace(calibration(), remarks=(), converged=True)
     path = plumbline.write(made, tmp_path / "x.json")
     back = plumbline.read_calibration(path)
     # The project's bytes are not in the JSON: a new project is written.

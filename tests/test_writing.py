@@ -364,3 +364,13 @@ def test_points_do_not_replace_files_of_others(tmp_path: Path) -> None:
         plumbline.write_points(calibration().observations, tmp_path / "p.csv")
     assert (tmp_path / "p.csv").read_text() == "precious"
     plumbline.write_points(calibration().observations, tmp_path / "p.csv", overwrite=True)
+
+
+def test_a_fit_without_a_result_goes_into_json_alone(tmp_path: Path) -> None:
+    made = replace(calibration(), converged=False)
+    for suffix in (".pto", ".xml"):
+        with pytest.raises(plumbline.UnsettledError, match="no result") as caught:
+            plumbline.write(made, tmp_path / f"x{suffix}")
+        assert "check that every pick is on its line" in caught.value.hint
+    assert plumbline.read_calibration(plumbline.write(made, tmp_path / "x.json")).converged is False
+    assert [path.name for path in tmp_path.iterdir()] == ["x.json"]

@@ -43,4 +43,6 @@ def command(source: str, target: str, overwrite: bool, image: int | None, **how:
         f"Wrote {printable(str(written))}: {count(observations.n_points, 'point')} on "
         f"{count(len(observations.lines), 'line')}."
     )
-    click.echo(f"Next: plumbline fit {printable(str(written))}", err=True)
+    width, height = observations.photos[0].frame.size
+    size = f" --size {width}x{height}" if written.suffix.lower() == ".csv" else ""
+    click.echo(f"Next: plumbline fit {printable(str(written))}{size}", err=True)

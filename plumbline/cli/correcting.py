@@ -17,7 +17,7 @@ from plumbline.imaging.batch import Outcome, Work, run, run_in_processes
 from plumbline.imaging.correct import Corrected, correct_file, correction_for
 from plumbline.imaging.resample import cores
 from plumbline.imaging.settings import Settings
-from plumbline.imaging.targets import Task, plan
+from plumbline.imaging.targets import SUFFIX, Task, plan, refuse_suffix
 from plumbline.lenses.request import LensRequest
 from plumbline.wording import count, listed
 
@@ -181,11 +181,14 @@ def points(
     from plumbline.imaging.points import correct_points, read_points
     from plumbline.writing import write_points
 
-    observations = read_points(path, photo, size)
-    moved, found = correct_points(observations, request, photo=photo, inverse=how["inverse"])
-    for note in dict.fromkeys(note for each in found for note in each.notes):
+    suffix = how["suffix"] or ("_distorted" if how["inverse"] else SUFFIX)
+    refuse_suffix(suffix)
+    inverse: bool = how["inverse"]
+    observations = read_points(path, photo, size, inverse=inverse)
+    moved, found = correct_points(observations, request, photo=photo, inverse=inverse)
+    notes = (*observations.notes, *(note for each in found for note in each.notes))
+    for note in dict.fromkeys(notes):
         click.echo(f"Note: {printable(note)}.", err=True)
-    suffix = how["suffix"] or ("_distorted" if how["inverse"] else "_corrected")
     target = how["output"] or Path(path).with_name(f"{Path(path).stem}{suffix}.csv")
     written = write_points(moved, target, overwrite=how["overwrite"])
     used = "; ".join(dict.fromkeys(each.description for each in found))

@@ -97,6 +97,7 @@ def command(
     from plumbline.errors import PlumblineError, printable
     from plumbline.models import get_model
     from plumbline.report.terminal import WideConsole, print_summary
+    from plumbline.writing import refuse_unsettled
 
     get_model(model)
     labels = {
@@ -122,6 +123,7 @@ def command(
             except PlumblineError as error:
                 raise name_the_source(error, part, len(parts)) from None
             calibrations.append(made)
+    refuse_unsettled(calibrations)
     written, notes = write_results(calibrations, output, points[0], overwrite=overwrite)
     if as_json:
         from plumbline.result_json import to_json

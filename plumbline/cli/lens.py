@@ -26,7 +26,9 @@ Examples:
 
 
 @click.command(
-    "lens", help=_HELP, short_help="Show which lens would be used for a photo, or keep one."
+    "lens",
+    help=_HELP,
+    short_help="Show which lens would be used for a photo, or keep a calibration for later.",
 )
 @click.argument("photos", nargs=-1, required=True, metavar="PHOTO… | add RESULT…")
 @lens_options.choosing

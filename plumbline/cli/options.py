@@ -21,7 +21,7 @@ else:
 
 
 class Pair(_Type):
-    """Two positive whole numbers with an x between them."""
+    """Two whole numbers with an x between them."""
 
     name = "pair"
 
@@ -32,10 +32,8 @@ class Pair(_Type):
         if isinstance(value, tuple):
             return value
         match = re.fullmatch(r"(\d{1,7})[xX×](\d{1,7})", str(value).strip(), re.ASCII)
-        if match is None or not int(match[1]) or not int(match[2]):
-            self.fail(
-                f"{value!r} is no pair of positive whole numbers such as 2048x1536", param, ctx
-            )
+        if match is None:
+            self.fail(f"{value!r} is no pair of whole numbers such as 2048x1536", param, ctx)
         return int(match[1]), int(match[2])
 
 
@@ -78,9 +76,12 @@ class Start(_Type):
 
 
 class Positive(_Type):
-    """A finite number above zero."""
+    """A finite number above zero, up to the largest that makes sense."""
 
     name = "number"
+
+    def __init__(self, most: float = 1e7) -> None:
+        self.most = most
 
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
@@ -90,9 +91,22 @@ class Positive(_Type):
             number = float(value)
         except ValueError:
             number = math.nan
-        if not (math.isfinite(number) and number > 0):
-            self.fail(f"{value!r} is no number above zero", param, ctx)
+        if not 1 / self.most <= number <= self.most:
+            self.fail(f"{value!r} is no number above zero and up to {self.most:g}", param, ctx)
         return number
+
+
+class Text(_Type):
+    """A name that shows."""
+
+    name = "text"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        """Read a name, without blanks around it."""
+        text = str(value).strip()
+        if not text or not text.isprintable():
+            self.fail("is empty, or not printable", param, ctx)
+        return text
 
 
 class Ratio(Positive):
@@ -158,14 +172,14 @@ reading = stacked(
 """What verbs that read picked points take."""
 
 labelling = stacked(
-    click.option("--maker", metavar="TEXT", help="Maker of the lens, for LensFun."),
-    click.option("--lens-name", metavar="TEXT", help="Name of the lens, for LensFun."),
-    click.option("--mount", metavar="TEXT", help="Mount of the lens, for LensFun."),
-    click.option("--focal", type=Positive(), metavar="MM", help="Focal length in millimetres."),
+    click.option("--maker", type=Text(), metavar="TEXT", help="Maker of the lens, for LensFun."),
+    click.option("--lens-name", type=Text(), metavar="TEXT", help="Name of the lens, for LensFun."),
+    click.option("--mount", type=Text(), metavar="TEXT", help="Mount of the lens, for LensFun."),
+    click.option("--focal", type=Positive(1e5), metavar="MM", help="Focal length in millimetres."),
     click.option("--focal-px", type=Positive(), metavar="PX", help="Focal length in pixels."),
     click.option(
         "--crop-factor",
-        type=Positive(),
+        type=Positive(100),
         metavar="NUMBER",
         help="Diagonal of the 35-mm frame over that of the sensor.",
     ),
@@ -179,12 +193,18 @@ labelling = stacked(
 """What is known of the lens, where EXIF and project are silent or wrong."""
 
 lens_labels = stacked(
-    click.option("--maker", metavar="TEXT", help="Maker of the lens, for LensFun."),
-    click.option("--lens-name", "model", metavar="TEXT", help="Name of the lens, for LensFun."),
-    click.option("--mount", metavar="TEXT", help="Mount of the lens, for LensFun."),
+    click.option("--maker", type=Text(), metavar="TEXT", help="Maker of the lens, for LensFun."),
+    click.option(
+        "--lens-name",
+        "model",
+        type=Text(),
+        metavar="TEXT",
+        help="Name of the lens, for LensFun.",
+    ),
+    click.option("--mount", type=Text(), metavar="TEXT", help="Mount of the lens, for LensFun."),
     click.option(
         "--crop-factor",
-        type=Positive(),
+        type=Positive(100),
         metavar="NUMBER",
         help="Diagonal of the 35-mm frame over that of the sensor.",
     ),

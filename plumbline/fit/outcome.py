@@ -9,7 +9,12 @@ import numpy as np
 from plumbline.calibration import Calibration
 from plumbline.fit.problem import Problem, pixels_of_centre
 from plumbline.fit.task import Solution
-from plumbline.fit.uncertainty import refuse_collapsed, refuse_unobservable, unit_covariance
+from plumbline.fit.uncertainty import (
+    refuse_bent,
+    refuse_collapsed,
+    refuse_unobservable,
+    unit_covariance,
+)
 from plumbline.models import CENTRE
 
 _SETTLED_PX = 1e-4
@@ -37,6 +42,7 @@ def finish(problem: Problem, solution: Solution) -> Calibration:
     corrected = packed.unpack(at.corrected)
     fitted = packed.unpack(at.image) if problem.residual == "image" else corrected
     sigma_px = float(np.sqrt(fitted @ fitted / problem.dof))
+    refuse_bent(sigma_px, lens.frame.radius_px)
     free = problem.task.free
     unit = unit_covariance(solution.normal[np.ix_(free, free)])
     unit = unit * np.outer(to_px[free], to_px[free])

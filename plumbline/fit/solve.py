@@ -12,10 +12,10 @@ from plumbline.fit.programs import program
 from plumbline.fit.task import Solution, Task
 from plumbline.models.base import Model
 
-BATCH = 64
+BATCH = 16
 """Problems that `solve_many` takes in one program."""
 
-_FEW = 8
+_FEW = 4
 
 
 def solve(model: Model, task: Task) -> Solution:

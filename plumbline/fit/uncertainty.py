@@ -22,6 +22,7 @@ _WORST_CORNER = 0.5
 _SCALES = 0.6, 4.0
 _LEAST_BEND_PX = 2.0
 _CENTRAL = 0.02
+_BENT = 1 / 30
 _RADII = 12
 _HINT_MORE = "pick more lines, longer ones and nearer to the edges of the photo, in both directions"
 
@@ -169,6 +170,21 @@ def refuse_unobservable(lens: Lens, free: tuple[str, ...], unit: Array, sigma_px
             "the lines do not show the distortion: with them the radial displacement is known to "
             f"no better than {error_px:,.0f} px somewhere in the photo",
             hint=_HINT_MORE,
+        )
+
+
+def refuse_bent(sigma_px: float, radius_px: float) -> None:
+    """Stop where the picks lie on no straight lines whatever the distortion.
+
+    Raises:
+        DegenerateLinesError: σ̂ exceeds a thirtieth of R.
+    """
+    if sigma_px > _BENT * radius_px:
+        raise DegenerateLinesError(
+            f"the picks lie on no straight lines: even after the fit they stray by {sigma_px:,.0f} "
+            "px",
+            hint="check that every pick is on its line, and that the photo's size (and --grid) is "
+            "right",
         )
 
 

@@ -24,7 +24,8 @@ import configparser
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from plumbline.formats.base import Source, shown
+from plumbline.errors import printable
+from plumbline.formats.base import Source
 from plumbline.formats.script import PROJECTIONS, decimal
 
 _HINT = "save the lens again in Hugin"
@@ -115,13 +116,8 @@ def hugin_ini(lens: HuginLens, mark: str) -> bytes:
     for name in ("a", "b", "c", "d", "e"):
         rows += [f"{name}={decimal(lens.values.get(name, 0.0))}", f"{name}_link=1"]
     rows += ["g=0", "g_link=1", "t=0", "t_link=1", "[EXIF]"]
-    rows += [f"CameraMake={shown_plain(lens.camera_maker)}"]
-    rows += [f"CameraModel={shown_plain(lens.camera_model)}"]
+    rows += [f"CameraMake={printable(lens.camera_maker)}"]
+    rows += [f"CameraModel={printable(lens.camera_model)}"]
     if lens.focal_mm:
         rows.append(f"FocalLength={decimal(lens.focal_mm)}")
     return ("\n".join(rows) + "\n").encode()
-
-
-def shown_plain(text: str) -> str:
-    """Text on one line."""
-    return shown(text, 120)[1:-1]

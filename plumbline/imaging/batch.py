@@ -93,8 +93,8 @@ def correct_many(
     work = Work(
         lens, Settings(**settings), overwrite, skip_existing, threads=1 if executor else None
     )
-    outcomes = {each.photo: each for each in run(tasks, work, executor)}
-    return [outcomes[task.photo] for task in tasks]
+    outcomes = {each.output: each for each in run(tasks, work, executor)}
+    return [outcomes[task.target] for task in tasks]
 
 
 def run(tasks: Sequence[Task], work: Work, executor: Executor | None) -> Iterator[Outcome]:
@@ -137,18 +137,18 @@ def run_in_processes(
         make_pool: Makes a pool of that many processes.
         jobs: Number of processes.
     """
-    left = {task.photo: task for task in tasks}
+    left = {task.target: task for task in tasks}
     while left:
         with make_pool(jobs) as pool:
             for outcome in run(list(left.values()), work, pool):
                 if outcome.error == _DIED:
                     break
-                del left[outcome.photo]
+                del left[outcome.output]
                 yield outcome
         for task in list(left.values())[:jobs]:
             with make_pool(1) as pool:
                 yield from run([task], work, pool)
-            del left[task.photo]
+            del left[task.target]
 
 
 def do(task: Task, work: Work) -> Outcome:

@@ -26,6 +26,9 @@ from plumbline.lens import Lens
 from plumbline.lenses.correction import Correction
 from plumbline.lenses.exif import PhotoFacts, read_photo
 from plumbline.lenses.request import LensRequest
+from plumbline.lenses.stored import StoredLens, of_calibration
+
+_CHANNELS = ((), (1,), (2,), (3,), (4,))
 
 LensSource = Calibration | Lens | Correction | LensRequest | str | Path | None
 
@@ -101,13 +104,19 @@ def correct_array(pixels: Pixels, lens: Lens | Calibration | Correction, **setti
     Raises:
         OptionError: the array is no picture, or a setting is unknown.
     """
-    if pixels.ndim not in (2, 3) or pixels.dtype.name not in ("uint8", "uint16") or not pixels.size:
+    if (
+        pixels.ndim < 2
+        or pixels.shape[2:] not in _CHANNELS
+        or pixels.dtype.name not in ("uint8", "uint16")
+        or not pixels.size
+    ):
         raise OptionError(
             f"an array of shape {pixels.shape} and type {pixels.dtype} is no picture",
-            hint="give rows, columns and channels as uint8 or uint16",
+            hint="give rows, columns and at most 4 channels as uint8 or uint16",
         )
     if pixels.ndim == 3 and pixels.shape[2] == 1:
-        return correct_array(pixels[..., 0], lens, **settings)[..., None]
+        made = correct_array(pixels[..., 0], lens, **settings)
+        return made if made.ndim == 3 else made[..., None]
     facts = PhotoFacts((pixels.shape[1], pixels.shape[0]), LensFacts())
     return _corrected(pixels, correction_for(facts, lens), Settings(**settings))
 
@@ -125,9 +134,9 @@ def correction_for(photo: PhotoFacts, lens: LensSource) -> Correction:
     from plumbline.lenses import lookup, profile, sources
 
     if isinstance(lens, Calibration):
-        stored = sources.of_calibration(lens)
+        stored = of_calibration(lens)
     elif isinstance(lens, Lens):
-        stored = sources.StoredLens(lens, LensFacts(), ())
+        stored = StoredLens(lens, LensFacts())
     else:
         request = lens if isinstance(lens, LensRequest) else _request(lens)
         return lookup.find_correction(photo, request)

@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from plumbline.errors import OptionError, ReadError
+from plumbline.facts import LensFacts
 from plumbline.imaging.correct import LensSource, correction_for
 from plumbline.lenses.correction import Correction
 from plumbline.lenses.exif import PhotoFacts, read_photo
@@ -14,15 +15,25 @@ from plumbline.reading import read
 
 
 def read_points(
-    path: str | Path, photo: str | Path | None = None, size: tuple[int, int] | None = None
+    path: str | Path,
+    photo: str | Path | None = None,
+    size: tuple[int, int] | None = None,
+    *,
+    inverse: bool = False,
 ) -> Observations:
-    """Picked points, for correcting them.
+    """Points to be corrected, or with `inverse` to be distorted.
+
+    Args:
+        path: The file.
+        photo: The photograph that they belong to.
+        size: Its width and height in pixels, where no photograph is named.
+        inverse: The points are ideal ones, which may lie outside the photograph.
 
     Raises:
         PlumblineError: they cannot be read, or the size of their photo is not known.
     """
     try:
-        return read(path, photo=photo, size=size)
+        return read(path, photo=photo, size=size, ideal=inverse)
     except ReadError as error:
         if photo is None and size is None and "size" in error.message:
             error.hint = "name the photo too, or give its size with --size WIDTHxHEIGHT"
@@ -45,7 +56,8 @@ def correct_points(
         inverse: Go the other way.
 
     Returns:
-        The points where they belong, and the correction used for each photo.
+        The points where they belong, and the correction used for each photo. What was known of
+        the lenses is left out: it does not hold for the new points.
 
     Raises:
         PlumblineError: no lens is found, or it folds before it reaches a point.
@@ -65,7 +77,9 @@ def correct_points(
         )
         for line in observations.lines
     )
-    return replace(observations, lines=lines), tuple(found[index] for index in sorted(used))
+    photos = tuple(replace(shot, lens=0) for shot in observations.photos)
+    moved = replace(observations, photos=photos, lines=lines, lenses=(LensFacts(),))
+    return moved, tuple(found[index] for index in sorted(used))
 
 
 def _facts(observations: Observations, index: int, photo: str | Path | None) -> PhotoFacts:

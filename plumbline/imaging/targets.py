@@ -52,11 +52,10 @@ def plan(
 
     Raises:
         ReadError: a folder cannot be read, or holds no picture.
-        OptionError: one output file is named for several photographs, or two photographs have
-            the same target.
+        OptionError: one output file is named for several photographs, two photographs have the
+            same target, or one of them is the target of another.
     """
-    if suffix is not None and (os.sep in suffix or "/" in suffix or "\0" in suffix):
-        raise OptionError(f"the suffix {suffix!r} is no part of a file name")
+    refuse_suffix(suffix or "")
     result = SUFFIX if suffix is None else suffix
     found: list[tuple[Path, Path]] = []  # the photo, and its place below an output folder
     for source in map(Path, sources):
@@ -77,9 +76,29 @@ def plan(
         )
     tasks = list(dict.fromkeys(tasks))
     made_from = {task.target.absolute(): task.photo for task in tasks}
-    tasks = [t for t in tasks if made_from.get(t.photo.absolute(), t.photo) == t.photo]
+    made = [t for t in tasks if made_from.get(t.photo.absolute(), t.photo) != t.photo]
+    for photo in (task.photo for task in made):
+        if photo.is_file() and not _is_ours(photo):
+            raise OptionError(
+                f"{made_from[photo.absolute()]} would be written over {photo}, which is to be "
+                "corrected itself",
+                hint="choose another --suffix, or name a folder with -o",
+            )
+    tasks = [task for task in tasks if task not in made]
     _refuse_collisions(tasks)
     return tasks
+
+
+def refuse_suffix(suffix: str) -> None:
+    """Refuse a suffix of results that is no part of a file name.
+
+    Raises:
+        OptionError: as said.
+    """
+    if os.sep in suffix or "/" in suffix or "\0" in suffix:
+        raise OptionError(
+            f"the suffix {suffix!r} is no part of a file name", hint="name a folder with -o"
+        )
 
 
 def _is_folder(output: str | Path) -> bool:
@@ -164,8 +183,11 @@ def check_target(target: Path, photo: Path, *, overwrite: bool) -> None:
 
 def _is_ours(target: Path) -> bool:
     """Whether the file bears the note that every corrected photograph gets."""
-    with target.open("rb") as file:
-        looked_at = file.read(_LOOKED_AT)
-        file.seek(max(file.seek(0, os.SEEK_END) - _LOOKED_AT, 0))
-        looked_at += file.read(_LOOKED_AT)
+    try:
+        with target.open("rb") as file:
+            looked_at = file.read(_LOOKED_AT)
+            file.seek(max(file.seek(0, os.SEEK_END) - _LOOKED_AT, 0))
+            looked_at += file.read(_LOOKED_AT)
+    except OSError:
+        return False
     return CORRECTED.encode() in looked_at

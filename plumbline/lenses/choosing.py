@@ -83,6 +83,19 @@ def choose(
     return best[0], note
 
 
+def like_note(own: str, other: str) -> str:
+    """What is said where another camera's lens is taken, as `--like` asks."""
+    return f"{own or 'this camera'} is treated like the {other}, as --like asks"
+
+
+def no_camera() -> OptionError:
+    """The photo does not tell its camera, and the user does not either."""
+    return OptionError(
+        "the photo has no EXIF that names its camera",
+        hint="give it with --camera (and --focal), or name a file of the lens with --lens",
+    )
+
+
 def _same(name: str, other: str) -> bool:
     return name.casefold().split() == other.casefold().split()
 

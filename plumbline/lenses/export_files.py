@@ -13,7 +13,8 @@ from plumbline.files import RESULT, ZOOM, read_bytes
 from plumbline.formats.base import Source
 from plumbline.lenses.export import export
 from plumbline.lenses.export_targets import TARGETS
-from plumbline.lenses.stored import StoredLens, stored_lenses
+from plumbline.lenses.stored import StoredLens
+from plumbline.lenses.stored_files import stored_lenses
 
 ALLOWED_PX = 0.1
 """The largest deviation of a refitted lens that is written without being forced."""

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from plumbline.errors import OptionError, printable
-from plumbline.lenses.choosing import Candidate, choose
+from plumbline.lenses.choosing import Candidate, choose, like_note, no_camera
 from plumbline.lenses.curves import lensfun_values
 from plumbline.lenses.exif import PhotoFacts
 from plumbline.lenses.lensfun_database import (
@@ -145,8 +145,7 @@ def _camera_notes(camera: Any, photo: PhotoFacts, request: LensRequest) -> list[
         return ["the photo's camera is not known: its sensor is taken as the calibration's"]
     notes: list[str] = []
     if request.like:
-        own = request.camera or photo.facts.camera or "this camera"
-        notes.append(f"{own} is treated like the {camera_name(camera)}, as --like asks")
+        notes.append(like_note(request.camera or photo.facts.camera, camera_name(camera)))
     if str(camera.mount) == "Micro 4/3 System":
         notes.append(
             "cameras of the Micro 4/3 system correct the distortion of their JPEGs themselves: "
@@ -158,10 +157,7 @@ def _camera_notes(camera: Any, photo: PhotoFacts, request: LensRequest) -> list[
 def _unknown_camera(database: Database, photo: PhotoFacts, request: LensRequest) -> OptionError:
     name = request.like or request.camera or photo.facts.camera
     if not name:
-        return OptionError(
-            "the photo has no EXIF that names its camera",
-            hint="give it with --camera (and --focal), or name a file of the lens with --lens",
-        )
+        return no_camera()
     maker = "" if request.like or request.camera else photo.maker
     similar = similar_cameras(database, maker, name if not maker else photo.model)
     known = f" (similar: {', '.join(printable(each) for each in similar)})" if similar else ""

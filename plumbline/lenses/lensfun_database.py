@@ -24,6 +24,8 @@ _SHARED = (Path("/usr/share/lensfun"), Path("/usr/local/share/lensfun"))
 _UPDATES = Path("/var/lib/lensfun-updates")
 _MOST_FILES = 2000
 
+_Stamp = tuple[int, int]
+
 
 @dataclass(frozen=True)
 class Database:
@@ -78,7 +80,6 @@ def common_database() -> Database:
     return Database(_library(files), tuple(files), "LensFun's database", tuple(notes))
 
 
-@cache
 def database_of(path: str) -> Database:
     """The database of one XML file or of the XML files of a folder.
 
@@ -91,6 +92,12 @@ def database_of(path: str) -> Database:
         raise ReadError(
             "there is no LensFun XML file in this folder", path=path, hint="name another folder"
         )
+    return _database_at(path, tuple((file, _stamp(file)) for file in files))
+
+
+@cache
+def _database_at(path: str, stamped: tuple[tuple[str, _Stamp], ...]) -> Database:
+    files = [file for file, _ in stamped]
     return Database(_load(files), tuple(files), path)
 
 
@@ -171,14 +178,31 @@ def _key(lens: Any) -> tuple[object, ...]:
     return (*words, round(lens.crop_factor, 3))
 
 
-@cache
+def _stamp(file: str) -> _Stamp:
+    """What changes when a file is saved again: what was read before then no longer counts."""
+    try:
+        found = Path(file).stat()
+    except OSError:
+        return 0, 0  # reading it says what is wrong
+    return found.st_mtime_ns, found.st_size
+
+
 def _content(file: str) -> bytes:
+    return _content_at(file, _stamp(file))
+
+
+@cache
+def _content_at(file: str, _at: _Stamp) -> bytes:
     return read_bytes(file)
 
 
-@cache
 def _parsed(file: str) -> LensfunFile:
-    return read_lensfun(Source(file, _content(file)))
+    return _parsed_at(file, _stamp(file))
+
+
+@cache
+def _parsed_at(file: str, _at: _Stamp) -> LensfunFile:
+    return read_lensfun(Source(file, read_bytes(file)))
 
 
 def _load(files: Sequence[str]) -> Any:

@@ -11,6 +11,7 @@ from plumbline.formats.lensfun_reading import LensfunEntry
 from plumbline.lenses.choosing import Candidate
 from plumbline.lenses.lensfun_database import Database, camera_name, with_maker
 from plumbline.lenses.profile import LensProfile, clamp_focal
+from plumbline.lenses.stored import projection_note
 from plumbline.models import get_model
 
 _MODELS = {"POLY3": "poly3", "POLY5": "poly5", "PTLENS": "ptlens"}
@@ -61,7 +62,7 @@ def profile_of_entry(entry: LensfunEntry, used: Distortion, where: str, camera: 
     centre = (entry.centre[0] * half_side / unit, entry.centre[1] * half_side / unit)
     on = f" on {printable(camera)}" if camera else ""
     values = ", ".join(f"{name} = {used.coefficients[name]:.6g}" for name in model.coefficients)
-    profile = LensProfile(
+    return LensProfile(
         f"{printable(with_maker(entry.maker, entry.model))}{on} at {used.focal_mm:.4g} mm, "
         f"{used.model} {values}, from {where}",
         model,
@@ -71,10 +72,5 @@ def profile_of_entry(entry: LensfunEntry, used: Distortion, where: str, camera: 
         observed_centre=centre,
         ideal_centre=centre,
         crop_factor=entry.crop_factor,
-    )
-    if entry.kind == "rectilinear":
-        return profile
-    return profile.with_notes(
-        f"the lens is no rectilinear one ({entry.kind}): its distortion is corrected, its "
-        "projection stays, so straight lines stay curved"
+        notes=projection_note(entry.kind),
     )

@@ -8,14 +8,12 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from plumbline.errors import OptionError
-from plumbline.lenses import lensfun, sources, store
-from plumbline.lenses.choosing import Candidate
+from plumbline.lenses import sources
+from plumbline.lenses.choosing import Candidate, like_note
 from plumbline.lenses.correction import Correction
 from plumbline.lenses.exif import PhotoFacts
 from plumbline.lenses.profile import LensProfile, correction
 from plumbline.lenses.request import LensRequest
-
-__all__ = ["LensRequest", "LookUp", "find_correction", "look_up"]
 
 
 @dataclass(frozen=True)
@@ -62,6 +60,8 @@ def look_up(photo: PhotoFacts, request: LensRequest) -> LookUp:
         return LookUp(sources.given_outright(photo, request))
     if request.source is not None:
         return LookUp(*sources.find_in_file(photo, request))
+    from plumbline.lenses import lensfun, store
+
     own, notes = store.find(photo, request)
     if own is not None:
         return LookUp(_as_asked(own, photo, request).with_notes(*notes))
@@ -73,7 +73,6 @@ def _as_asked(profile: LensProfile, photo: PhotoFacts, request: LensRequest) -> 
     """One of the user's own calibrations; with `like`, that of another camera, and said so."""
     if request.like is None:
         return profile
-    own = request.camera or photo.facts.camera or "this camera"
-    note = f"{own} is treated like the {profile.camera}, as --like asks"
+    note = like_note(request.camera or photo.facts.camera, profile.camera)
     crop = photo.facts.crop_factor if profile.crop_factor else None
     return replace(profile, photo_crop=crop or profile.crop_factor).with_notes(note)

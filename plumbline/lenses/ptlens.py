@@ -11,7 +11,7 @@ import numpy as np
 
 from plumbline.errors import OptionError, printable
 from plumbline.formats.ptlens_profile import PTLensCamera, PTLensLens, PTLensProfile
-from plumbline.lenses.choosing import Candidate, choose
+from plumbline.lenses.choosing import Candidate, choose, like_note, no_camera
 from plumbline.lenses.curves import linear_weights
 from plumbline.lenses.exif import PhotoFacts
 from plumbline.lenses.profile import LensProfile, clamp_focal
@@ -49,8 +49,7 @@ def find(
     unit = min(sides) / 2 / float(np.hypot(*sides))
     notes = [aside, clamped]
     if request.like:
-        own = request.camera or photo.facts.camera or "this camera"
-        notes.append(f"{own} is treated like the {camera.menu_name}, as --like asks")
+        notes.append(like_note(request.camera or photo.facts.camera, camera.menu_name))
     found = LensProfile(
         f"{lens.name} on {camera.menu_name} at {used_mm:.4g} mm, ptlens {used}, from {path}",
         get_model("ptlens"),
@@ -86,10 +85,7 @@ def _camera(
     if names:
         return names[0]
     if not asked and not photo.model:
-        raise OptionError(
-            "the photo has no EXIF that names its camera",
-            hint="give it with --camera (and --focal), or name a file of the lens with --lens",
-        )
+        raise no_camera()
     known = listed([printable(camera.menu_name) for camera in profile.cameras], 6)
     raise OptionError(
         f"the camera {asked or photo.facts.camera} is not in {path} (it has: {known})",

@@ -11,27 +11,16 @@ import numpy as np
 from plumbline.errors import OptionError, printable
 from plumbline.facts import LensFacts
 from plumbline.files import ZOOM, read_bytes
-from plumbline.formats import ptlens_profile
 from plumbline.formats.base import Source
 from plumbline.frame import Frame
 from plumbline.lens import Lens
-from plumbline.lenses import lensfun, ptlens, zoom_json
 from plumbline.lenses.choosing import Candidate
 from plumbline.lenses.exif import PhotoFacts
 from plumbline.lenses.profile import LensProfile, clamp_focal
 from plumbline.lenses.request import LensRequest
-from plumbline.lenses.stored import StoredLens, of_calibration, stored_lenses
+from plumbline.lenses.stored import StoredLens
 from plumbline.models import CENTRE, get_model
 from plumbline.wording import listed
-
-__all__ = [
-    "StoredLens",
-    "find_in_file",
-    "given_outright",
-    "of_calibration",
-    "profile_of",
-    "stored_lens_profile",
-]
 
 _LARGEST = 100.0
 
@@ -44,6 +33,9 @@ def find_in_file(photo: PhotoFacts, request: LensRequest) -> Found:
     Raises:
         PlumblineError: the file is damaged or holds no lens, or none for this photo.
     """
+    from plumbline.formats import ptlens_profile
+    from plumbline.lenses import lensfun, ptlens, stored_files, zoom_json
+
     path = request.source or ""
     if Path(path).is_dir():
         return lensfun.from_file(path, photo, request)
@@ -60,7 +52,7 @@ def find_in_file(photo: PhotoFacts, request: LensRequest) -> Found:
         )
     if head.startswith("{") and f'"{ZOOM}"' in head[:1024]:
         return zoom_json.read_zoom(source).profile(photo, request), ()
-    return _profile(stored_lenses(source), path, photo, request), ()
+    return _profile(stored_files.stored_lenses(source), path, photo, request), ()
 
 
 def profile_of(stored: StoredLens, description: str) -> LensProfile:

@@ -28,6 +28,8 @@ from plumbline.lenses.curves import (
 )
 from plumbline.models import CENTRE, Model, get_model
 
+_HELD_ALIKE = 1e-9
+
 
 @dataclass(frozen=True)
 class Node:
@@ -162,6 +164,11 @@ def pool(focal_mm: float, values: Sequence[Array], covariances: Sequence[Array])
                 f"the calibrations at {focal_mm:g} mm do not free the same coefficients",
                 hint="fit them all with the same --free",
             )
+    if np.any(np.ptp(stack[:, ~free], axis=0) > _HELD_ALIKE):
+        raise OptionError(
+            f"the calibrations at {focal_mm:g} mm hold a coefficient at different values",
+            hint="fit them all with the same --hold and --start",
+        )
     n = len(stack)
     mean = stack.mean(axis=0)
     covariance = np.zeros_like(covariances[0])

@@ -14,6 +14,7 @@ from rich.table import Table
 from plumbline.calibration import Calibration
 from plumbline.errors import printable
 from plumbline.models import CENTRE, Model
+from plumbline.wording import count
 
 _MOST_LINES = 24
 _LEAST_WIDTH = 80
@@ -50,7 +51,7 @@ def print_summary(
         written: The files written.
         notes: What there is to say about the files.
         verbose: List every line, however many.
-        quiet: Print only the finding and the files.
+        quiet: Print only the finding and what there is to say about the files.
     """
     told: set[str] = set()
     for index, made in enumerate(calibrations):
@@ -62,12 +63,12 @@ def print_summary(
         if quiet:
             continue
         console.print(coefficients_table(made))
-        console.print(_fit_sentence(made), highlight=False, soft_wrap=True)
+        console.print(_fit_sentences(made), highlight=False, soft_wrap=True)
         console.print(lines_table(made, everything=verbose))
         for note in [note for note in made.notes if note not in told]:
             told.add(note)
             _print_note(console, note)
-    for note in () if quiet else notes:
+    for note in notes:
         _print_note(console, note)
     for path in written:
         console.print(f"Wrote {_plain(str(path))}", highlight=False, soft_wrap=True)
@@ -145,7 +146,7 @@ def lines_table(made: Calibration, *, everything: bool = False) -> Table:
         photo = made.observations.photos[line.photo]
         names = [_plain(line.label)]
         if several:
-            names.append(_plain(photo.name or str(photo.number)))
+            names.append(_plain(photo.source or photo.name or str(photo.number)))
         numbers = (line.rms_before_px, line.rms_after_px, line.largest_after_px)
         table.add_row(*names, str(line.n_points), *(f"{number:.2f} px" for number in numbers))
     return table
@@ -166,16 +167,27 @@ def models_table(models: Iterable[Model]) -> Table:
 
 
 def _title(made: Calibration) -> str:
-    names = ", ".join(photo.name or f"photo {photo.number}" for photo in made.observations.photos)
+    names = ", ".join(
+        photo.name or photo.source or f"photo {photo.number}" for photo in made.observations.photos
+    )
     focal_mm = made.observations.lenses[0].focal_length_mm(made.lens.frame)
     return names + (f" at {focal_mm:.4g} mm" if focal_mm else "")
 
 
-def _fit_sentence(made: Calibration) -> str:
-    return (
+def _fit_sentences(made: Calibration) -> str:
+    n_points, n_lines = made.observations.n_points, len(made.observations.lines)
+    freedom = "1 degree" if made.dof == 1 else f"{made.dof} degrees"
+    out = [
+        f"{count(n_points, 'point')} on {count(n_lines, 'line')}; σ̂ {made.sigma_px:.3f} px with "
+        f"{freedom} of freedom",
         f"rms {made.rms_before_px:.4f} px before, {made.rms_after_px:.4f} px after "
-        f"({made.rms_corrected_px:.4f} px in the corrected photo); largest residual "
-        f"{made.largest_before_px:.2f} px before, {made.largest_after_px:.2f} px after; "
-        f"σ̂ {made.sigma_px:.3f} px with {made.dof} degrees of freedom "
-        f"({made.observations.n_points} points, {len(made.observations.lines)} lines)"
-    )
+        f"({made.rms_corrected_px:.4f} px in the corrected photo)",
+        f"largest residual {made.largest_before_px:.2f} px before, {made.largest_after_px:.2f} px "
+        "after",
+    ]
+    if made.corner_error_px is not None:
+        out.append(
+            f"the correction is uncertain by {made.corner_error_px:.2g} px at the worst corner "
+            "(one standard error)"
+        )
+    return "\n".join(out)

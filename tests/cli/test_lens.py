@@ -66,7 +66,8 @@ def test_neither_jax_nor_matplotlib_is_loaded(coolpix: Path) -> None:
     program = (
         "import sys\n"
         "from plumbline.lenses.exif import read_photo\n"
-        "from plumbline.lenses.lookup import LensRequest, find_correction\n"
+        "from plumbline.lenses.lookup import find_correction\n"
+        "from plumbline.lenses.request import LensRequest\n"
         f"find_correction(read_photo({str(coolpix)!r}), LensRequest())\n"
         "print({'jax', 'matplotlib', 'scipy'} & {n.split('.')[0] for n in sys.modules})"
     )

@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from plumbline.errors import ReadError
-from plumbline.formats import format_of
 from plumbline.formats.base import ReadOptions, Source
+from plumbline.formats.known import format_of
 from plumbline.formats.ptgui import FORMAT
 from plumbline.observations import Observations
 

@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 
 from plumbline.errors import OptionError, ReadError
 from plumbline.facts import LensFacts
-from plumbline.formats import format_of
 from plumbline.formats.base import ReadOptions, Source
+from plumbline.formats.known import format_of
 from plumbline.formats.pto import FORMAT
 from plumbline.formats.pto_writing import new_project, rewritten
 from plumbline.observations import Line, Observations, Photo

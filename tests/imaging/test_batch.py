@@ -54,8 +54,24 @@ def test_an_output_folder_keeps_the_tree_and_is_not_searched(tmp_path: Path) -> 
     assert task.target == Path("b.png")
 
 
+def test_a_photo_with_two_targets_is_written_to_both(tmp_path: Path) -> None:
+    _photos(tmp_path, "in/sub/a.jpg")
+    tasks = plan([tmp_path / "in", tmp_path / "in" / "sub" / "a.jpg"], tmp_path / "out")
+    targets = {tmp_path / "out" / "a.jpg", tmp_path / "out" / "sub" / "a.jpg"}
+    assert {task.target for task in tasks} == targets
+    done = list(run_in_processes(tasks, Work(BARREL), ThreadPoolExecutor, 2))
+    assert {outcome.output for outcome in done} == targets
+    again = plumbline.correct_many(
+        [tmp_path / "in", tmp_path / "in" / "sub" / "a.jpg"], BARREL, tmp_path / "out"
+    )
+    assert {outcome.output for outcome in again} == targets
+
+
 def test_a_result_named_beside_its_original_is_left_out(tmp_path: Path) -> None:
     _photos(tmp_path, "a.jpg", "a_corrected.jpg", "b_corrected.jpg")
+    with pytest.raises(OptionError, match=r"a\.jpg would be written over .*a_corrected\.jpg"):
+        plan(sorted(tmp_path.glob("*.jpg")), None)
+    plumbline.correct(tmp_path / "a.jpg", BARREL, overwrite=True)
     tasks = plan(sorted(tmp_path.glob("*.jpg")), None)
     assert [task.photo.name for task in tasks] == ["a.jpg", "b_corrected.jpg"]
 
@@ -182,12 +198,12 @@ def test_killing_the_process_at_any_moment_leaves_no_partial_result(tmp_path: Pa
     assert (tmp_path / "a.jpg").exists()
 
 
-@pytest.mark.parametrize("moment", ["mkstemp", "fsync", "replace"])
+@pytest.mark.parametrize("moment", ["token_hex", "fsync", "replace"])
 def test_dying_while_writing_leaves_no_partial_result(tmp_path: Path, moment: str) -> None:
     _photos(tmp_path, "a.jpg")
-    where = {"mkstemp": "tempfile", "fsync": "os", "replace": "pathlib.Path"}[moment]
+    where = {"token_hex": "secrets", "fsync": "os", "replace": "pathlib.Path"}[moment]
     script = (
-        "import os, tempfile, pathlib, signal, plumbline\n"
+        "import os, secrets, pathlib, signal, plumbline\n"
         "from plumbline.lenses.request import LensRequest\n"
         "import plumbline.imaging.correct\n"
         "def die(*_, **__): os.kill(os.getpid(), signal.SIGKILL)\n"

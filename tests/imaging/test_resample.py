@@ -136,9 +136,18 @@ def test_a_calibration_is_scaled_to_the_array() -> None:
     assert np.max(np.hypot(*(found - ideal).T)) < 0.05
 
 
+def test_one_channel_stays_one_channel_and_gets_alpha() -> None:
+    grey = texture(SIZE)[..., :1]
+    plain = correct_array(grey, _correction())
+    assert plain.shape == grey.shape
+    clear = correct_array(grey, _correction(), border="transparent")
+    assert clear.shape == (*grey.shape[:2], 2)
+
+
 def test_what_is_no_picture_is_refused() -> None:
     made = _correction()
-    for wrong in (np.zeros((5, 5)), np.zeros(5, np.uint8), np.zeros((0, 5), np.uint8)):
+    byte = np.uint8
+    for wrong in (np.zeros((5, 5)), *(np.zeros(n, byte) for n in (5, (0, 5), (5, 5, 5)))):
         with pytest.raises(OptionError, match="no picture"):
             correct_array(wrong, made)
     with pytest.raises(OptionError, match="another size"):

@@ -20,8 +20,9 @@ from plumbline.lenses.exif import PhotoFacts
 from plumbline.lenses.export import export
 from plumbline.lenses.export_files import export_file
 from plumbline.lenses.export_targets import TARGETS
-from plumbline.lenses.lookup import LensRequest, find_correction
+from plumbline.lenses.lookup import find_correction
 from plumbline.lenses.refit import refit
+from plumbline.lenses.request import LensRequest
 from plumbline.lenses.stored import StoredLens
 from plumbline.models import get_model
 from tests.lenses.library import lensfunpy

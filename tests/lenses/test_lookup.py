@@ -14,7 +14,8 @@ from plumbline.facts import LensFacts
 from plumbline.formats.lensfun import Distortion, LensfunLens, lensfun_xml
 from plumbline.frame import Array
 from plumbline.lenses.exif import PhotoFacts, read_photo
-from plumbline.lenses.lookup import LensRequest, find_correction, look_up
+from plumbline.lenses.lookup import find_correction, look_up
+from plumbline.lenses.request import LensRequest
 from tests.lenses.library import lensfunpy
 from tests.lenses.made import calibration, saved
 from tests.lenses.photos import photo, real
@@ -354,6 +355,13 @@ def test_the_user_s_own_files_of_lensfun_come_first(tmp_path: Path) -> None:
     )
     assert "Used: Maker Mine on Nikon E995 at 12 mm" in done.stdout, done.stderr
     assert "damaged.xml" in done.stdout
+
+
+def test_an_edited_file_is_read_again(xml: str) -> None:
+    request = LensRequest(source=xml, lens_name="Prime 35mm", focal_mm=35)
+    assert "k1 = -0.01," in look_up(facts(), request).profile.description
+    Path(xml).write_text(XML.replace('k1="-0.01"', 'k1="-0.0234"'))
+    assert "k1 = -0.0234," in look_up(facts(), request).profile.description
 
 
 def test_like_is_never_left_aside_silently(xml: str, tmp_path: Path) -> None:

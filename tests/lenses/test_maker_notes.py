@@ -10,8 +10,9 @@ import pytest
 from PIL import Image
 
 from plumbline.lenses.exif import read_photo
-from plumbline.lenses.lookup import LensRequest, find_correction
+from plumbline.lenses.lookup import find_correction
 from plumbline.lenses.maker_notes import corrected_in_camera
+from plumbline.lenses.request import LensRequest
 from tests.lenses.photos import real
 from tests.peers.tools import program, run
 

@@ -13,7 +13,8 @@ from plumbline.frame import Array, Frame
 from plumbline.lens import Lens
 from plumbline.lenses import store
 from plumbline.lenses.exif import PhotoFacts
-from plumbline.lenses.lookup import LensRequest, find_correction
+from plumbline.lenses.lookup import find_correction
+from plumbline.lenses.request import LensRequest
 from plumbline.models import get_model
 from plumbline.result_json import to_json
 from tests.lenses.made import calibration, saved

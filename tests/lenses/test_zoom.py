@@ -13,7 +13,8 @@ from plumbline.facts import LensFacts
 from plumbline.formats.base import Source
 from plumbline.frame import Array
 from plumbline.lenses.exif import PhotoFacts
-from plumbline.lenses.lookup import LensRequest, find_correction
+from plumbline.lenses.lookup import find_correction
+from plumbline.lenses.request import LensRequest
 from plumbline.lenses.zoom import ZoomLens, pool
 from plumbline.lenses.zoom_files import zoom_bytes
 from plumbline.lenses.zoom_join import join
@@ -248,6 +249,7 @@ def test_plots(suffix: str, magic: bytes) -> None:
         ({"size": (2000, 1000)}, "differ in their shape"),
         ({"focal_mm": None}, "the focal length of this calibration is not known"),
         ({"errors": {"a": 0.1, "b": 0.1}}, "do not free the same coefficients"),
+        ({"a": 0.01}, "hold a coefficient at different values"),
         ({"size": (1536, 2048), "d": 4.0}, "stands upright"),
     ],
 )
