@@ -122,7 +122,10 @@ def from_json(text: str, path: str) -> tuple[Calibration, ...]:
     try:
         whole = json.loads(text, parse_constant=_not_finite)
         _refuse_others(whole, path)
-        return tuple(_calibration(each) for each in whole.get("calibrations", [whole]))
+        made = tuple(_calibration(each) for each in whole.get("calibrations", [whole]))
+        if not made:
+            raise ReadError("there is no calibration in this file", path=path, hint=_AGAIN)
+        return made
     except ReadError:
         raise
     except RecursionError:

@@ -38,8 +38,8 @@ def with_picks(photo: Any, lines: list[Array]) -> Any:
     fraction = 4  # bits of a pixel that cv2 draws between
     for points in lines:
         at = np.round(((points + 0.5) * scale - 0.5) * 2**fraction).astype(int)
-        ends = [tuple(int(v) for v in at[i]) for i in (0, -1)]
-        cv2.line(shown, *ends, ORANGE, 1, cv2.LINE_AA, fraction)
+        (x0, y0), (x1, y1) = at[0].tolist(), at[-1].tolist()
+        cv2.line(shown, (x0, y0), (x1, y1), ORANGE, 1, cv2.LINE_AA, fraction)
         for x, y in at.tolist():
             cv2.circle(shown, (x, y), 3 << fraction, SKY_BLUE, -1, cv2.LINE_AA, fraction)
     return shown

@@ -272,6 +272,10 @@ def test_several_values_replaced_at_once(data: st.DataObject) -> None:
         ('{"format": "plumbline calibration", "format_version": 1}', "lacks 'observations'"),
         ('{"format": "plumbline calibration", "format_version": 1, "calibrations": 5}', "damaged"),
         (
+            '{"format": "plumbline calibration", "format_version": 1, "calibrations": []}',
+            "no calibration in this file",
+        ),
+        (
             '{"format": "plumbline calibration", "format_version": 1, "calibrations": [5]}',
             "damaged",
         ),

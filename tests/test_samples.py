@@ -44,8 +44,9 @@ def _ideal(abc: dict[str, float], observed: Array) -> Array:
 
 def _furthest_apart_px(truth: dict[str, float], found: dict[str, float], size: list[int]) -> float:
     """Largest difference of two lenses over the photo after the best common scale."""
+    width, height = size
     radius_px = min(size) / 2
-    observed = np.linspace(0.02, 1, 200) * np.hypot(*size) / 2 / radius_px
+    observed = np.linspace(0.02, 1, 200) * np.hypot(width, height) / 2 / radius_px
     want, have = _ideal(truth, observed), _ideal(found, observed)
     scale = (want @ have) / (have @ have)
     return float(np.max(np.abs(want - scale * have))) * radius_px

@@ -93,10 +93,14 @@ def find(photo: PhotoFacts, request: LensRequest) -> tuple[LensProfile | None, t
 
     Returns:
         The profile or None, and notes on calibrations that were not used.
+
+    Raises:
+        OptionError: the photo does not name its lens, and calibrations of several fit.
     """
     notes: list[str] = []
     found: list[tuple[float, LensProfile]] = []
     misses: list[str] = []
+    names: set[str] = set()
     focal_mm = request.focal_mm or photo.facts.focal_mm
     for path in _files():
         try:
@@ -125,12 +129,19 @@ def find(photo: PhotoFacts, request: LensRequest) -> tuple[LensProfile | None, t
             continue
         nearest = min(max(focal_mm or calibrated[0], calibrated[0]), calibrated[1])
         found.append((abs((focal_mm or nearest) - nearest), profile))
+        names |= {facts.model} - {""}
     if not found:
         if misses:
             notes.append(
                 f"your own calibrations of this camera, at {listed(misses)}, do not cover the photo"
             )
         return None, tuple(notes)
+    if len(names) > 1 and not (request.lens_name or photo.facts.model):
+        raise OptionError(
+            "the photo does not name its lens, and your own calibrations of several match: "
+            + listed(sorted(names)),
+            hint="say which with --lens-name, or name a file with --lens",
+        )
     return min(found, key=lambda each: each[0])[1], tuple(notes)
 
 

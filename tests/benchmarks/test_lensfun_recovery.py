@@ -1,4 +1,4 @@
-"""A fixed subset of LensFun's lenses is recovered; the whole database on demand (see the module)."""
+"""A fixed subset of LensFun's lenses is recovered; the whole database on demand."""
 
 from __future__ import annotations
 

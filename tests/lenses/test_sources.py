@@ -335,6 +335,14 @@ class TestStore:
             store.add(saved(tmp_path / "r.json", calibration(b=b, focal_mm=focal_mm)))
         assert "b = -0.11" in find_correction(shot(focal_mm=8.8), LensRequest()).description
 
+    def test_which_of_several_lenses_is_asked(self, tmp_path: Path) -> None:
+        for lens, focal_mm in (("Tele", 8.2), ("Wide", 8.4)):
+            store.add(saved(tmp_path / "r.json", calibration(lens=lens, focal_mm=focal_mm)))
+        with pytest.raises(OptionError, match="of several match: Tele, Wide") as error:
+            find_correction(shot(), LensRequest())
+        assert "--lens-name" in error.value.hint
+        assert "Wide" in find_correction(shot(), LensRequest(lens_name="Wide")).description
+
     def test_none_is_replaced_silently(self, tmp_path: Path) -> None:
         source = saved(tmp_path / "r.json", calibration(b=-0.123))
         store.add(source)

@@ -57,11 +57,9 @@ def test_barrel_moves_dots_to_their_ideal_places(tmp_path: Path) -> None:
     assert np.max(np.hypot(*(observed - ideal).T)) > 8
     _write_pgm(tmp_path / "observed.pgm", _dots(observed))
     barrel = " ".join(str(COEFFICIENTS[name]) for name in "abc")
-    run(
-        [convert, str(tmp_path / "observed.pgm"), "-filter", "point", "-interpolate", "catrom"]
-        + ["-virtual-pixel", "black", "-distort", "Barrel", barrel]
-        + ["-depth", "16", str(tmp_path / "corrected.pgm")]
-    )
+    how = ["-filter", "point", "-interpolate", "catrom", "-virtual-pixel", "black"]
+    target = ["-depth", "16", str(tmp_path / "corrected.pgm")]
+    run([convert, str(tmp_path / "observed.pgm"), *how, "-distort", "Barrel", barrel, *target])
     corrected = _read_pgm(tmp_path / "corrected.pgm")
     found = np.array([_centroid(corrected, point) for point in ideal])
     assert np.max(np.hypot(*(found - ideal).T)) < 0.05
