@@ -123,9 +123,6 @@ def from_json(text: str, path: str) -> tuple[Calibration, ...]:
         whole = json.loads(text, parse_constant=_not_finite)
         _refuse_others(whole, path)
         made = tuple(_calibration(each) for each in whole.get("calibrations", [whole]))
-        if not made:
-            raise ReadError("there is no calibration in this file", path=path, hint=_AGAIN)
-        return made
     except ReadError:
         raise
     except RecursionError:
@@ -134,6 +131,9 @@ def from_json(text: str, path: str) -> tuple[Calibration, ...]:
         raise ReadError(f"the calibration lacks {error}", path=path, hint=_AGAIN) from None
     except (PlumblineError, *_DAMAGE) as error:
         raise ReadError(f"the calibration is damaged: {error}", path=path, hint=_AGAIN) from None
+    if not made:
+        raise ReadError("there is no calibration in this file", path=path, hint=_AGAIN)
+    return made
 
 
 def _refuse_others(whole: Any, path: str) -> None:

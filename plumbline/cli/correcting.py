@@ -29,7 +29,7 @@ def pictures(sources: Sequence[str], request: LensRequest, how: Mapping[str, Any
     if how["scheduler"] and request.source:  # workers have a working folder of their own
         request = replace(request, source=str(Path(request.source).absolute()))
     settings = Settings(**{name: how[name] for name in _SETTINGS})
-    tasks = plan(sources, how["output"], how["suffix"])
+    tasks = plan(sources, how["output"], how["suffix"], difference=settings.difference)
     single = len(sources) == len(tasks) == 1 and not Path(sources[0]).is_dir()
     if single and not (how["skip_existing"] and tasks[0].target.exists()):
         _make_folder(tasks[0], how["output"])

@@ -60,7 +60,6 @@ def split_by_lens(observations: Observations, labels: Mapping[str, Any]) -> list
             frame = part.photos[0].frame
             given["aspect_ratio"] = checked_aspect_ratio(given["aspect_ratio"], frame)
         facts = replace(part.lenses[0], **given)
-        facts.refuse_contradiction(part.photos[0].frame)
         parts.append(replace(part, lenses=(facts,)))
     return parts
 

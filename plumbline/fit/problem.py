@@ -60,6 +60,7 @@ def prepare(
         )
     chosen = plan(model, facts, free, hold, start)
     frame = _common_frame(observations, chosen, model)
+    facts.refuse_contradiction(frame)
     blank = Lens(model, frame, dict(chosen.start), focal_px=facts.focal_length_px(frame))
     packed = pack(observations, blank.unit_px)
     if not np.all(np.isfinite(packed.block.xy)):

@@ -89,10 +89,9 @@ def correct_many(
     Raises:
         PlumblineError: the photographs or settings themselves make no sense.
     """
-    tasks = plan(list(photos), output, suffix)
-    work = Work(
-        lens, Settings(**settings), overwrite, skip_existing, threads=1 if executor else None
-    )
+    how = Settings(**settings)
+    tasks = plan(list(photos), output, suffix, difference=how.difference)
+    work = Work(lens, how, overwrite, skip_existing, threads=1 if executor else None)
     outcomes = {each.output: each for each in run(tasks, work, executor)}
     return [outcomes[task.target] for task in tasks]
 

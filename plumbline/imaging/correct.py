@@ -20,7 +20,7 @@ from plumbline.imaging.maps import SamplingMap
 from plumbline.imaging.picture import Pixels, decode
 from plumbline.imaging.resample import Border, resample
 from plumbline.imaging.settings import Settings
-from plumbline.imaging.targets import DIFFERENCE, SUFFIX, beside, check_target
+from plumbline.imaging.targets import SUFFIX, beside, check_target, difference_of
 from plumbline.imaging.view import view_of
 from plumbline.lens import Lens
 from plumbline.lenses.correction import Correction
@@ -167,7 +167,7 @@ def correct_file(
         overwrite: Replace a file that plumbline did not make.
         threads: Number of threads; one a core by default.
     """
-    compared = beside(target, DIFFERENCE).with_suffix(".png") if settings.difference else None
+    compared = difference_of(target) if settings.difference else None
     for each in (target, compared):
         if each is not None:
             check_target(each, photo, overwrite=overwrite)

@@ -35,8 +35,17 @@ def beside(path: Path, suffix: str) -> Path:
     return path.with_name(f"{path.stem}{suffix}{path.suffix}")
 
 
+def difference_of(target: Path) -> Path:
+    """The picture of the differences that belongs to a corrected photograph."""
+    return beside(target, DIFFERENCE).with_suffix(".png")
+
+
 def plan(
-    sources: Sequence[str | Path], output: str | Path | None, suffix: str | None = None
+    sources: Sequence[str | Path],
+    output: str | Path | None,
+    suffix: str | None = None,
+    *,
+    difference: bool = False,
 ) -> list[Task]:
     """The photographs that files and folders name, each with its target.
 
@@ -49,6 +58,7 @@ def plan(
         output: A folder, or a file where there is one photograph; None writes beside it.
         suffix: What results bear after their names; `_corrected` by default beside their
             originals, and nothing in an output folder.
+        difference: Whether pictures of the differences are written too.
 
     Raises:
         ReadError: a folder cannot be read, or holds no picture.
@@ -85,7 +95,7 @@ def plan(
                 hint="choose another --suffix, or name a folder with -o",
             )
     tasks = [task for task in tasks if task not in made]
-    _refuse_collisions(tasks)
+    _refuse_collisions(tasks, difference=difference)
     return tasks
 
 
@@ -138,16 +148,16 @@ def _is_original(name: str, suffix: str) -> bool:
     return path.suffix.lower() in _PICTURES and not name.startswith(".") and not result
 
 
-def _refuse_collisions(tasks: Iterable[Task]) -> None:
+def _refuse_collisions(tasks: Iterable[Task], *, difference: bool) -> None:
     taken: dict[Path, Path] = {}
     for task in tasks:
-        target = task.target.absolute()
-        if target in taken and taken[target] != task.photo:
-            raise OptionError(
-                f"{taken[target]} and {task.photo} would both become {task.target}",
-                hint="correct their folders instead of the files, or one after the other",
-            )
-        taken[target] = task.photo
+        for target in (task.target, difference_of(task.target))[: 1 + difference]:
+            other = taken.setdefault(target.absolute(), task.photo)
+            if other != task.photo:
+                raise OptionError(
+                    f"{other} and {task.photo} would both become {target}",
+                    hint="correct one of them into another folder with -o",
+                )
 
 
 def check_target(target: Path, photo: Path, *, overwrite: bool) -> None:

@@ -54,6 +54,13 @@ def test_an_output_folder_keeps_the_tree_and_is_not_searched(tmp_path: Path) -> 
     assert task.target == Path("b.png")
 
 
+def test_two_differences_do_not_become_one_file(tmp_path: Path) -> None:
+    _photos(tmp_path, "a.jpg", "a.png")
+    assert len(plan([tmp_path], None)) == 2
+    with pytest.raises(OptionError, match=r"would both become .*a_corrected_difference\.png"):
+        plan([tmp_path], None, difference=True)
+
+
 def test_a_photo_with_two_targets_is_written_to_both(tmp_path: Path) -> None:
     _photos(tmp_path, "in/sub/a.jpg")
     tasks = plan([tmp_path / "in", tmp_path / "in" / "sub" / "a.jpg"], tmp_path / "out")
