@@ -74,7 +74,12 @@ def _crop_factor(calibrations: Sequence[Calibration]) -> float:
     every = _facts(calibrations)
     best = best_crop_factor(every)
     if not all(facts.crop_factor for facts in every):
-        raise OptionError("the crop factor is not known", hint="give it with --crop-factor")
+        if all(made.observations.lenses[0].focal_mm for made in calibrations):
+            raise OptionError("the crop factor is not known", hint="give it with --crop-factor")
+        raise OptionError(
+            "the focal length and the crop factor are not known",
+            hint="give them with --focal and --crop-factor",
+        )
     if best is None or best.crop_factor is None:
         raise OptionError("the crop factors differ", hint="give it with --crop-factor")
     return best.crop_factor

@@ -1,6 +1,6 @@
 """ImageMagick's `-distort Barrel`, written as a small shell script.
 
-    magick "$1" -virtual-pixel black -distort Barrel "0.03 -0.1 0.04 1.03 1024 768" "$2"
+    "$im" "$1" -virtual-pixel black -distort Barrel "0.03 -0.1 0.04 1.03 1024 768" "$2"
 
 r_obs = r (A r³ + B r² + C r + D) with r over half the shorter side, about (X, Y) counted from
 the pixel's edge: the model and the direction of `ptlens`. The centre lies on both sides, so a
@@ -32,6 +32,7 @@ def barrel(
         "#!/bin/sh",
         f"# {mark}, for photos of {frame.width}x{frame.height} pixels and their like",
         "# usage: sh THIS PHOTO CORRECTED",
-        f'magick "$1" -virtual-pixel black -distort Barrel "{arguments}" "$2"',
+        "command -v magick >/dev/null && im=magick || im=convert  # ImageMagick 7, or 6",
+        f'"$im" "$1" -virtual-pixel black -distort Barrel "{arguments}" "$2"',
     ]
     return ("\n".join(rows) + "\n").encode()

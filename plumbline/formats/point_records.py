@@ -7,6 +7,7 @@ does not sends all of them down the careful way, one by one.
 from __future__ import annotations
 
 import itertools
+import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -112,9 +113,13 @@ def _fields(source: Source, row: int, text: str) -> tuple[float, ...]:
     match = _POINT.match(text)
     values = match.groups("0") if match else _scrambled(source, row, text)
     try:
-        return tuple(float(value) for value in values)
-    except ValueError:  # "1-2": the sentence comes from the check of each
-        return tuple(source.number(value, row) for value in values)
+        numbers = tuple(float(value) for value in values)
+    except ValueError:
+        numbers = (math.inf,)
+    if all(map(math.isfinite, numbers)):
+        return numbers
+    # "1-2", or hundreds of digits: the sentence comes from the check of each.
+    return tuple(source.number(value, row) for value in values)
 
 
 def _scrambled(source: Source, row: int, text: str) -> tuple[str, ...]:

@@ -47,8 +47,8 @@ def choose(
 ) -> tuple[int, str]:
     """The number of the lens that is meant, and a note if others were left aside.
 
-    A lens named word for word wins; lenses without distortion or out of the focal length go,
-    then, unless one is asked for by name, those with a converter attached.
+    A lens named word for word wins; those with a converter attached go unless the name is
+    theirs, then those without distortion or out of the focal length.
 
     Raises:
         OptionError: none or several are left.
@@ -58,18 +58,18 @@ def choose(
     exact = [i for i, each in enumerate(candidates) if named and _same(each.name, named)] or range(
         len(candidates)
     )
-    left = [i for i in exact if candidates[i].covers(focal_mm)]
+    meant = _meant(candidates, exact, named)
+    left = [i for i in meant if candidates[i].covers(focal_mm)]
     if not left:
-        if len(exact) == 1 and candidates[exact[0]].range_mm is not None:
-            return exact[0], ""  # the focal length is refused with its own sentence
+        if len(meant) == 1 and candidates[meant[0]].range_mm is not None:
+            return meant[0], ""  # the focal length is refused with its own sentence
         raise OptionError(_none_fits(candidates, focal_mm, where), hint=_calibrate(candidates))
+    converters = [
+        str(candidates[i]) for i in exact if i not in meant and candidates[i].covers(focal_mm)
+    ]
     note = ""
-    if len(left) > 1 and not named:
-        plain = [i for i in left if not candidates[i].attached]
-        if len(plain) == 1:
-            aside = [str(candidates[i]) for i in left if i not in plain]
-            note = f"lenses with a converter were left aside: {listed(aside, 4)} (--lens-name)"
-            left = plain
+    if converters:
+        note = f"lenses with a converter were left aside: {listed(converters, 4)} (--lens-name)"
     best = [i for i in left if candidates[i].score == max(candidates[j].score for j in left)]
     if len(best) > 1 or (not named and len(left) > 1):
         raise OptionError(
@@ -94,6 +94,17 @@ def no_camera() -> OptionError:
         "the photo has no EXIF that names its camera",
         hint="give it with --camera (and --focal), or name a file of the lens with --lens",
     )
+
+
+def _meant(
+    candidates: Sequence[Candidate], among: Sequence[int], named: str | None
+) -> Sequence[int]:
+    """Those without a converter, unless the name matches one with a converter better."""
+    plain = [i for i in among if not candidates[i].attached]
+    if not named:
+        return plain
+    best = max(candidates[i].score for i in among)
+    return plain if any(candidates[i].score == best for i in plain) else among
 
 
 def _same(name: str, other: str) -> bool:

@@ -19,13 +19,23 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from plumbline.errors import ReadError
-from plumbline.formats import csv, cvat, imagej, labelme, via, webplotdigitizer, winmorph
+from plumbline.formats import (
+    csv,
+    cvat,
+    imagej,
+    labelme,
+    ptgui,
+    pto,
+    via,
+    webplotdigitizer,
+    winmorph,
+)
 from plumbline.formats.base import Format, ReadOptions, Source
 from plumbline.observations import Observations
 
 FORMATS = {
     module.FORMAT.name: module.FORMAT
-    for module in (cvat, labelme, via, imagej, webplotdigitizer, winmorph, csv)
+    for module in (ptgui, pto, cvat, labelme, via, imagej, webplotdigitizer, winmorph, csv)
 }
 """What is tested; a new format takes its place here and at least one file in SAMPLES."""
 
@@ -52,7 +62,31 @@ SHAPES: list[object] = [
     {"label": "l1", "points": [[1.5, 2], [3, 4], [5, 6]], "shape_type": "linestrip"},
     {"label": "l2", "points": [[1, 2], [3, 4]], "shape_type": "polygon"},
 ]
+PAIRS = "".join(
+    f"c n{{0}} N{{0}} x{x} y{y} X{x2} Y{y2} t{kind}\n"
+    for kind in (3, 4)
+    for x, y, x2, y2 in ((10, 20.5, 90, 25 + kind), (50, 22, 10, 20.5), (1e1, 30, 70, 3.5e1))
+)
 SAMPLES: dict[str, list[bytes]] = {
+    "pto": [
+        (
+            "# hugin project file\n#hugin_ptoversion 2\np f0 w100 h80 v50\n"
+            '#-hugin  cropFactor=1.5\ni w100 h80 f0 v50 a0.01 b-0.02 c0 d0 e0 g0 t0 n"x y.jpg"\n'
+            'i w100 h80 f0 v=0 a=0 b=0 c=0 d0 e0 S0,100,0,80 n"y.jpg"\nv a0 b0\nv\n'
+            + PAIRS.format(0)
+            + PAIRS.format(1)
+            + "c n0 N1 x1 y2 X3 Y4 t0\n#hugin_option x\n*\n"
+        ).encode(),
+        ("i w100 h80\r\n" + PAIRS.format(0).replace("\n", "\r\n")).encode(),
+    ],
+    "ptgui": [
+        (
+            "# ptGui project file\n#-fileversion 49\n#-ccdcrop 1.6\n#-dummyimage\n"
+            "o w1 h1 v50 a0.03 b-0.1 c0.06 f0 d1 e2 g0 t0\n"
+            '#-imgfile 100 80 "x.jpg"\no f0 y0 r0 p0 v=0 a=0 b=0 c=0 d=0 e=0\nv v a b c\n'
+            + PAIRS.format(1)
+        ).encode(),
+    ],
     "csv": [
         b"line,x,y\nroof,10.5,20.5\nroof,11.25,120\n# next\nleft,5,7\n",
         'photo;line;x;y\n"a b";ä_1;1,5;2\n"a b";ä_1;3;4,25\n'.encode(),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,10 +11,12 @@ import numpy as np
 import pytest
 from lxml import etree  # pyright: ignore[reportAttributeAccessIssue]
 
+import plumbline
 from plumbline.formats.lensfun import Distortion, LensfunLens, lensfun_xml
 from plumbline.frame import Array, Frame
 from plumbline.lens import Lens
 from plumbline.models import get_model
+from tests.truth import TrueLens
 
 lensfunpy: Any = _lensfunpy  # it has no types
 
@@ -121,3 +124,30 @@ def test_a_wrong_aspect_ratio_shows(tmp_path: Path) -> None:
     right = _modifier(_profile("poly5", CASES["poly5"][0], 1.5), size).apply_geometry_distortion()
     wrong = _modifier(_profile("poly5", CASES["poly5"][0], 4 / 3), size)
     assert np.max(np.abs(right - wrong.apply_geometry_distortion())) > 1
+
+
+@pytest.mark.parametrize("shape", SIZES)
+@pytest.mark.parametrize("model", ["ptlens", "poly5"])
+def test_a_fitted_profile_bends_as_the_fit_does(model: str, shape: str, tmp_path: Path) -> None:
+    """From picks to the written file to LensFun's own arithmetic, centre included."""
+    width, height = size = SIZES[shape]
+    d, e = 12.0, -7.0
+    truth = TrueLens("ptlens", {"a": 0.0244, "b": -0.0649, "c": 0.0015, "d": d, "e": e}, size)
+    made = plumbline.calibrate(
+        plumbline.Observations.from_arrays(truth.lines(16, 12), size),
+        model,
+        free=(*plumbline.get_model(model).coefficients, "d", "e"),
+    )
+    facts = plumbline.LensFacts(focal_mm=FOCAL_MM, crop_factor=CROP)
+    made = replace(made, observations=replace(made.observations, lenses=(facts,)))
+    xml = plumbline.write(made, tmp_path / "made.xml").read_bytes()
+    theirs = _modifier(xml, size).apply_geometry_distortion()[::50, ::50]
+    y, x = np.mgrid[0:height:50, 0:width:50]
+    ideal = np.stack((x, y), axis=-1).astype(float)
+    centre = np.array([made.coefficients["d"], made.coefficients["e"]])
+    # LensFun centres both sides on (d, e), plumbline the observed one.
+    ours = _as_lensfun_measures(made.lens, ideal - centre)
+    off = np.hypot(*np.moveaxis(theirs - ours, -1, 0))
+    assert np.median(off) <= 0.05
+    assert np.max(off) <= (0.4 if model == "ptlens" else 0.05)
+    assert centre == pytest.approx([d, e], abs=0.5 if model == "ptlens" else 40)
