@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from copy import copy
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -109,12 +108,11 @@ def write_results(
 
 def name_the_source(error: PlumblineError, part: Observations, n_parts: int) -> PlumblineError:
     """Say which files an error is about, and which photos where a project has several lenses."""
-    named = copy(error)
+    message = error.message
     if n_parts > 1:
         names = [f"{photo.number} {photo.name}".strip() for photo in part.photos]
-        named.message = f"photo {listed(names)}: {named.message}"
+        message = f"photo {listed(names)}: {message}"
     files = listed(list(dict.fromkeys(origin.path for origin in part.origins)), 3)
-    if not named.message.startswith(files):
-        named.message = f"{files}: {named.message}"
-    named.args = (named.message,)
-    return named
+    if not message.startswith(files):
+        message = f"{files}: {message}"
+    return type(error)(message, hint=error.hint)

@@ -178,7 +178,11 @@ def _points(table: Table, columns: _Columns, rows: Iterator[Row]) -> _Points:
         members = points.members.get(key)
         if members is None:
             if len(points.members) == MAX_PICKED_LINES:
-                raise table.source.error(f"more than {MAX_PICKED_LINES:,} lines", at)
+                raise table.source.error(
+                    f"more than {MAX_PICKED_LINES:,} lines",
+                    at,
+                    hint="give the picks of one photo or a few at a time",
+                )
             members = points.members[key] = array("q")
         members.append(index)
         points.xy.extend(pair)

@@ -54,7 +54,10 @@ def read(source: Source, _options: ReadOptions) -> Observations:
     """
     root = _root(source)
     if root.tag != "annotations":
-        raise source.error("the XML is not CVAT's: its first element is not <annotations>")
+        raise source.error(
+            "the XML is not CVAT's: its first element is not <annotations>",
+            hint="export the picks as CVAT for images 1.1",
+        )
     if root.find("track") is not None:
         raise source.error(
             "the file was exported for video",
@@ -86,7 +89,10 @@ def recognises(source: Source) -> bool:
 def _root(source: Source) -> _Element:
     text = source.text()
     if "<!DOCTYPE" in text:
-        raise source.error("the XML declares a document type, which no CVAT file does")
+        raise source.error(
+            "the XML declares a document type, which no CVAT file does",
+            hint="export the picks again as CVAT for images 1.1",
+        )
     nodes = text.count("<") + text.count("=")
     if len(text) > MAX_LENGTH or nodes > MAX_NODES:
         raise source.error(f"the XML is too large: {len(text):,} characters, {nodes:,} nodes")

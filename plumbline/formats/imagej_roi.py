@@ -91,7 +91,10 @@ def _entries(source: Source) -> Iterator[tuple[str, bytes]]:
             hint="save it again from the ROI Manager",
         ) from None
     if not chosen:
-        raise source.error("the zip file holds no selections (.roi)")
+        raise source.error(
+            "the zip file holds no selections (.roi)",
+            hint="save the ROI Manager's selections with More » Save",
+        )
 
 
 def _kind(source: Source, name: str, content: bytes) -> str:

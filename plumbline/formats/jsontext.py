@@ -11,6 +11,7 @@ from plumbline.formats.base import Source, shown
 
 MAX_LENGTH = 64 * 2**20
 MAX_VALUES = 5_000_000
+_AGAIN = "export the file again"
 # labelme stores the photo itself, base64 in one string.
 _IMAGE_DATA = re.compile(r'"imageData"\s*:\s*"[^"\\]*"')
 
@@ -33,18 +34,18 @@ def parsed(source: Source, text: str, line: int | None = None) -> object:
     values = text.count(",") + text.count("[") + text.count("{")
     if len(text) > MAX_LENGTH or values > MAX_VALUES:
         raise source.error(
-            f"the JSON has {len(text):,} characters and {values:,} values, more than is read", line
+            f"the JSON has {len(text):,} characters and {values:,} values, more than is read",
+            line,
+            "give the picks of one photo or a few at a time",
         )
     try:
         return cast(object, json.loads(text))
     except json.JSONDecodeError as error:
         where = error.lineno if line is None else line
-        raise source.error(
-            f"the JSON is broken: {error.msg}", where, "export the file again"
-        ) from None
+        raise source.error(f"the JSON is broken: {error.msg}", where, _AGAIN) from None
     except (ValueError, RecursionError):
         raise source.error(
-            "the JSON holds an absurdly long number or nests too deep", line
+            "the JSON holds an absurdly long number or nests too deep", line, _AGAIN
         ) from None
 
 
@@ -56,7 +57,7 @@ def as_object(source: Source, value: object, what: str, line: int | None = None)
     """
     if isinstance(value, dict):
         return cast(Object, value)
-    raise source.error(f"{what} is {_kind(value)} where an object {{…}} belongs", line)
+    raise source.error(f"{what} is {_kind(value)} where an object {{…}} belongs", line, _AGAIN)
 
 
 def as_list(source: Source, value: object, what: str, line: int | None = None) -> list[object]:
@@ -67,7 +68,7 @@ def as_list(source: Source, value: object, what: str, line: int | None = None) -
     """
     if isinstance(value, list):
         return cast("list[object]", value)
-    raise source.error(f"{what} is {_kind(value)} where a list […] belongs", line)
+    raise source.error(f"{what} is {_kind(value)} where a list […] belongs", line, _AGAIN)
 
 
 def as_text(value: object) -> str:

@@ -85,7 +85,10 @@ class LineGatherer:
                 has.
         """
         if len(self._lines) == MAX_PICKED_LINES:
-            raise self.source.error(f"the file holds more than {MAX_PICKED_LINES:,} lines")
+            raise self.source.error(
+                f"the file holds more than {MAX_PICKED_LINES:,} lines",
+                hint="give the picks of one photo or a few at a time",
+            )
         index = self._photo(photo, photo_name, size)
         made = np.asarray(points, dtype=np.float64).reshape(-1, 2)
         numbers = None

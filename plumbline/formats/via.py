@@ -112,7 +112,11 @@ def _regions_of_table(source: Source) -> Iterator[_Region]:
         if not header:
             header = [cell.strip().lstrip("#").strip() for cell in row]
             if not {"filename", _SHAPE} <= set(header):
-                raise source.error(f"the columns filename and {_SHAPE} are missing", at)
+                raise source.error(
+                    f"the columns filename and {_SHAPE} are missing",
+                    at,
+                    hint="export the annotations from VIA again, as CSV or JSON",
+                )
             continue
         cells = dict(zip(header, row, strict=False))
         text = cells.get(_SHAPE, "").strip()
@@ -141,7 +145,11 @@ def _points(source: Source, region: _Region) -> list[tuple[float, float]]:
         for key in ("all_points_x", "all_points_y")
     )
     if len(x) != len(y):
-        raise source.error(f"a polyline has {len(x)} x and {len(y)} y", region.line)
+        raise source.error(
+            f"a polyline has {len(x)} x and {len(y)} y",
+            region.line,
+            hint="export the annotations from VIA again, as CSV or JSON",
+        )
     return list(zip(x, y, strict=True))
 
 
