@@ -10,6 +10,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from plumbline.displacement import displacement_errors, grid_px
+from plumbline.errors import UnsettledError
 from plumbline.finding import Finding, find
 from plumbline.frame import Array
 from plumbline.lens import Lens
@@ -162,6 +163,24 @@ class Calibration:
             for line, before, after in zip(
                 self.observations.lines, self.before_px, self.residuals_px, strict=True
             )
+        )
+
+
+def refuse_unsettled(calibrations: Sequence[Calibration]) -> None:
+    """Refuse fits that did not reach a minimum.
+
+    Raises:
+        UnsettledError: there is one; the sentence names its worst line.
+    """
+    for made in calibrations:
+        if made.converged:
+            continue
+        worst = max(made.lines, key=lambda line: line.rms_after_px)
+        raise UnsettledError(
+            f"{made.observations.named}there is no result: {made.reason}; line {worst.label} is "
+            f"farthest from straight, by {worst.rms_after_px:.3g} px (rms)",
+            hint="check that every pick is on its line and that the photo's size (and --grid) is "
+            "right",
         )
 
 

@@ -26,7 +26,9 @@ class LensFacts:
     Attributes:
         maker: Maker of the lens, or of the camera if the lens names none.
         model: Name of the lens.
-        camera: Maker and model of the camera.
+        camera: Maker and model of the camera, the maker once.
+        exif_make: Maker of the camera as EXIF has it.
+        exif_model: Model of the camera as EXIF has it, which may name the maker again.
         mount: Name of the mount.
         focal_mm: Real focal length.
         crop_factor: Diagonal of the 35-mm frame over that of the sensor.
@@ -43,6 +45,8 @@ class LensFacts:
     maker: str = ""
     model: str = ""
     camera: str = ""
+    exif_make: str = ""
+    exif_model: str = ""
     mount: str = ""
     focal_mm: float | None = None
     crop_factor: float | None = None
@@ -107,6 +111,8 @@ class LensFacts:
             maker=self.maker or more.maker,
             model=self.model or more.model,
             camera=self.camera or more.camera,
+            exif_make=self.exif_make if self.camera else more.exif_make,
+            exif_model=self.exif_model if self.camera else more.exif_model,
             mount=self.mount or more.mount,
             focal_mm=self.focal_mm or more.focal_mm,
             crop_factor=crop.crop_factor,

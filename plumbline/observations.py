@@ -149,7 +149,7 @@ class Observations:
             lines.append(replace(line, points_px=points))
         return replace(self, photos=tuple(photos), lines=tuple(lines))
 
-    def checked(self, *, ideal: bool = False) -> Observations:
+    def checked(self, *, ideal: bool = False, singly: bool = False) -> Observations:
         """The same observations after the checks that need no fit.
 
         Lines with fewer than three distinct points are set aside with a note; exact
@@ -157,6 +157,7 @@ class Observations:
 
         Args:
             ideal: The points are ideal ones, which may lie outside their photos.
+            singly: Points count, not lines: short lines and duplicates stay.
 
         Raises:
             OptionError: a size is missing or absurd, a coordinate is not finite, or a point
@@ -170,6 +171,9 @@ class Observations:
         duplicates = 0
         for line in self.lines:
             self._check_points(line, ideal=ideal)
+            if singly:
+                kept.append(line)
+                continue
             first = line.first_of_each()
             duplicates += len(line.points_px) - len(first)
             if len(first) < 3:

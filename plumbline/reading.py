@@ -38,6 +38,7 @@ def read(
     order: Order = "raster",
     pixel_aspect: float = 1.0,
     ideal: bool = False,
+    singly: bool = False,
 ) -> Observations:
     """Read picked points from a file of any known format.
 
@@ -51,6 +52,7 @@ def read(
         order: How that polyline runs: each row from the left, or back and forth.
         pixel_aspect: Width of one pixel over its height, for video frames.
         ideal: The points are ideal ones, which may lie outside the photo.
+        singly: Points count, not lines: lines of one or two points and duplicates stay.
 
     Returns:
         Checked observations.
@@ -104,7 +106,7 @@ def read(
         lenses=tuple(lenses),
         notes=tuple(notes),
         origins=(Origin(str(path), found.name, source.content),),
-    ).checked(ideal=ideal)
+    ).checked(ideal=ideal, singly=singly)
 
 
 def _chosen(source: Source, raw: Observations, image: int | None) -> Observations:

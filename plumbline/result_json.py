@@ -27,6 +27,7 @@ FORMAT_VERSION = 1
 
 _AGAIN = "fit again: plumbline fit POINTS -o result.json"
 _TEXTS = ("maker", "model", "camera", "mount", "projection")
+_LATER_TEXTS = ("exif_make", "exif_model")  # absent from files of plumbline's first days
 _NUMBERS = (
     "focal_mm",
     "crop_factor",
@@ -228,6 +229,7 @@ def _number(value: Any) -> float:
 
 def _facts(data: Mapping[str, Any]) -> LensFacts:
     facts: dict[str, Any] = {name: str(data[name]) for name in _TEXTS}
+    facts |= {name: str(data.get(name, "")) for name in _LATER_TEXTS}
     facts |= {name: None if data[name] is None else _number(data[name]) for name in _NUMBERS}
     requested = data["requested"]
     return LensFacts(

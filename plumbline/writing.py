@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from plumbline.calibration import Calibration
-from plumbline.errors import OptionError, UnsettledError, UnsupportedModelError, WriteError
+from plumbline.calibration import Calibration, refuse_unsettled
+from plumbline.errors import OptionError, UnsupportedModelError, WriteError
 from plumbline.files import refuse_to_clobber, write_atomically
 from plumbline.formats.csv import write_csv
 from plumbline.formats.pto_writing import new_project, rewritten
@@ -67,24 +67,6 @@ def result_bytes(
     if suffix != ".json":
         refuse_unsettled(calibrations)
     return makers[suffix](calibrations)
-
-
-def refuse_unsettled(calibrations: Sequence[Calibration]) -> None:
-    """Refuse fits that did not reach a minimum.
-
-    Raises:
-        UnsettledError: there is one; the sentence names its worst line.
-    """
-    for made in calibrations:
-        if made.converged:
-            continue
-        worst = max(made.lines, key=lambda line: line.rms_after_px)
-        raise UnsettledError(
-            f"{made.observations.named}there is no result: {made.reason}; line {worst.label} is "
-            f"farthest from straight, by {worst.rms_after_px:.3g} px (rms)",
-            hint="check that every pick is on its line and that the photo's size (and --grid) is "
-            "right",
-        )
 
 
 def write_points(observations: Observations, path: str | Path, *, overwrite: bool = False) -> Path:

@@ -203,7 +203,8 @@ def sampling_map(photo: str, target: str, request: LensRequest, how: Mapping[str
     from plumbline.lenses.exif import read_photo
 
     refuse_to_clobber(Path(target), [photo], overwrite=how["overwrite"])
-    found = correction_for(read_photo(photo), request)
+    facts = read_photo(photo)
+    found = correction_for(facts.taken_as_corrected() if how["inverse"] else facts, request)
     content = map_bytes(found, target, scale=how["scale"], inverse=how["inverse"])
     write_atomically({Path(target): content})
     for note in found.notes:

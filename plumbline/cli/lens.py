@@ -37,7 +37,9 @@ def command(photos: tuple[str, ...], overwrite: bool, **how: Any) -> None:
     """Look up and print, or add."""
     from plumbline.errors import printable
 
-    if photos[0] == "add" and len(photos) > 1:
+    if photos == ("add",):
+        raise click.UsageError("name a result to add: plumbline lens add RESULT")
+    if photos[0] == "add":
         from plumbline.lenses.store import add
 
         for path in photos[1:]:

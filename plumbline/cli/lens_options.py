@@ -62,4 +62,9 @@ def request_of(
 
     if isinstance(ptlens, str):
         raise click.BadParameter("give coefficients as a=0,b=-0.02,c=0", param_hint="--ptlens")
+    if ptlens is not None:
+        found_by = {"--lens": lens, "--camera": camera, "--lens-name": lens_name, "--like": like}
+        useless = [name for name, value in (found_by | {"--focal": focal}).items() if value]
+        if useless:
+            raise click.UsageError(f"--ptlens is the lens itself; leave out {useless[0]}")
     return LensRequest(lens, ptlens, camera, lens_name, like, focal, crop_factor, full_size)

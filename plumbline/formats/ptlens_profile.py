@@ -43,18 +43,33 @@ class PTLensCamera:
     """A camera.
 
     Attributes:
-        menu_name: Maker and model for people.
+        menu_make: Maker for people.
+        menu_model: Model for people.
         exif_make: Maker as EXIF has it.
         exif_model: Model as EXIF has it.
         groups: Names of the groups of lenses that fit it.
         multiplier: Crop factor.
     """
 
-    menu_name: str
+    menu_make: str
+    menu_model: str
     exif_make: str
     exif_model: str
     groups: frozenset[str]
     multiplier: float
+
+    @property
+    def menu_name(self) -> str:
+        """Maker and model for people."""
+        return f"{self.menu_make} {self.menu_model}".strip()
+
+    def is_of(self, make: str, model: str) -> bool:
+        """Whether EXIF's maker and model are this camera's, however often they name the maker."""
+        own, other = (
+            (make.casefold().split()[:1], without_maker(model, make).casefold())
+            for make, model in ((self.exif_make, self.exif_model), (make, model))
+        )
+        return own == other
 
 
 @dataclass(frozen=True)
@@ -179,9 +194,18 @@ def _number(source: Source, fields: _Fields, key: str, default: float | None = N
     return default
 
 
+def without_maker(model: str, make: str) -> str:
+    """A camera's model without the words of its maker that it begins with."""
+    of_maker, words = make.casefold().split(), model.split()
+    while len(words) > 1 and words[0].casefold() in of_maker:
+        del words[0]
+    return " ".join(words)
+
+
 def _camera(source: Source, fields: _Fields) -> PTLensCamera:
     return PTLensCamera(
-        f"{_text(fields, 'menu_make')} {_text(fields, 'menu_model')}".strip(),
+        _text(fields, "menu_make"),
+        _text(fields, "menu_model"),
         _text(fields, "exif_make"),
         _text(fields, "exif_model"),
         _groups(fields),
@@ -217,8 +241,8 @@ def ptlens_profile(camera: PTLensCamera, lens: PTLensLens, mark: str) -> bytes:
         lens: The lens.
         mark: A comment for its first line.
     """
-    maker, _, model = camera.menu_name.partition(" ")
-    rows = [f"# {mark}", "begin camera", f"menu_make: {maker}", f"menu_model: {model}"]
+    rows = [f"# {mark}", "begin camera"]
+    rows += [f"menu_make: {camera.menu_make}", f"menu_model: {camera.menu_model}"]
     rows += [f"exif_make: {camera.exif_make}", f"exif_model: {camera.exif_model}"]
     rows += [f"group: {group}" for group in sorted(camera.groups)]
     rows += [f"multiplier: {camera.multiplier:.7g}", "end"]

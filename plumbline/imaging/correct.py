@@ -19,9 +19,9 @@ from plumbline.imaging.encode import encode, format_of
 from plumbline.imaging.maps import SamplingMap
 from plumbline.imaging.picture import Pixels, decode
 from plumbline.imaging.resample import Border, resample
+from plumbline.imaging.sampling import fold_notes, sampling_of
 from plumbline.imaging.settings import Settings
 from plumbline.imaging.targets import SUFFIX, beside, check_target, difference_of
-from plumbline.imaging.view import view_of
 from plumbline.lens import Lens
 from plumbline.lenses.correction import Correction
 from plumbline.lenses.exif import PhotoFacts, read_photo
@@ -118,7 +118,8 @@ def correct_array(pixels: Pixels, lens: Lens | Calibration | Correction, **setti
         made = correct_array(pixels[..., 0], lens, **settings)
         return made if made.ndim == 3 else made[..., None]
     facts = PhotoFacts((pixels.shape[1], pixels.shape[0]), LensFacts())
-    return _corrected(pixels, correction_for(facts, lens), Settings(**settings))
+    how = Settings(**settings)
+    return _corrected(pixels, _sampling(correction_for(facts, lens), how), how)
 
 
 def correction_for(photo: PhotoFacts, lens: LensSource) -> Correction:
@@ -173,23 +174,17 @@ def correct_file(
             check_target(each, photo, overwrite=overwrite)
     _check_border(settings, target)
     facts = read_photo(photo)
-    found = correction_for(facts, lens)
+    found = correction_for(facts.taken_as_corrected() if settings.inverse else facts, lens)
+    sampling = _sampling(found, settings, facts.orientation)
     picture = decode(read_bytes(photo), photo)
-    pixels = _corrected(
-        picture.pixels,
-        found,
-        settings,
-        orientation=facts.orientation,
-        inks=picture.inks,
-        threads=threads,
-    )
+    pixels = _corrected(picture.pixels, sampling, settings, inks=picture.inks, threads=threads)
     result = replace(picture, pixels=pixels)
     contents: dict[Path, bytes] = {}
     if compared is not None:
         contents[compared] = difference_png(picture, result, compared)
     contents[target], lost = encode(result, target, settings.quality, note_of(found.description))
     write_atomically(contents)
-    notes = (*found.notes, *picture.notes, *lost)
+    notes = (*found.notes, *fold_notes(sampling), *picture.notes, *lost)
     return Corrected(photo, target, found.description, notes, compared)
 
 
@@ -201,17 +196,21 @@ def _check_border(settings: Settings, target: Path) -> None:
         )
 
 
+def _sampling(found: Correction, settings: Settings, orientation: int = 1) -> SamplingMap:
+    return sampling_of(
+        found, orientation=orientation, scale=settings.scale, inverse=settings.inverse
+    )
+
+
 def _corrected(
     pixels: Pixels,
-    found: Correction,
+    sampling: SamplingMap,
     settings: Settings,
     *,
-    orientation: int = 1,
     inks: bool = False,
     threads: int | None = None,
 ) -> Pixels:
-    view = view_of(found, orientation=orientation, scale=settings.scale, inverse=settings.inverse)
-    if view.stored_size != pixels.shape[1::-1]:
+    if sampling.size != pixels.shape[1::-1]:
         raise OptionError("the correction was made for a photo of another size")
     if settings.border == "transparent":
         if inks:
@@ -223,7 +222,6 @@ def _corrected(
     alpha = channels in (2, 4) and not inks
     full = float(np.iinfo(pixels.dtype).max)
     outside = _outside(settings.border, channels, full, alpha=alpha, inks=inks)
-    sampling = SamplingMap(view.stored_size, view.observed)
     return resample(pixels, sampling, settings.interpolation, outside, alpha=alpha, threads=threads)
 
 

@@ -16,7 +16,7 @@ from plumbline.errors import OptionError, WriteError
 from plumbline.imaging.containers import jpeg, png, tiff
 from plumbline.imaging.containers.exif import MOST_IN_JPEG, annotated, without_thumbnail
 from plumbline.imaging.containers.metadata import Metadata
-from plumbline.imaging.picture import Picture, Pixels, swapped
+from plumbline.imaging.picture import MAKER_NOTES_LOST, Picture, Pixels, swapped
 
 FORMATS = {
     ".jpg": "JPEG",
@@ -30,6 +30,7 @@ FORMATS = {
 """Formats by suffix; Pillow knows those of further ones."""
 
 _LZW = 5
+_STRIP_BYTES = 2**16
 _COMPRESSIONS = {1: 1, 5: 5, 8: 8, 32773: 32773, 32946: 8}
 _PILLOW_COMPRESSIONS = {1: "raw", 5: "tiff_lzw", 8: "tiff_adobe_deflate", 32773: "packbits"}
 _SAMPLINGS = {
@@ -111,6 +112,8 @@ def _fitting(picture: Picture, name: str, note: str) -> tuple[Metadata, list[str
     if name != picture.storage.format:
         metadata = replace(metadata, records=())
     if name == "TIFF":
+        if metadata.exif and tiff.has_maker_notes(metadata.exif):
+            notes.append(MAKER_NOTES_LOST)
         return metadata, notes
     try:
         exif = annotated(metadata.exif, note, lambda old: _thumbnail(picture, old))
@@ -191,7 +194,9 @@ def _tiff(picture: Picture) -> bytes:
     compression = _COMPRESSIONS.get(picture.storage.compression, _LZW)
     if picture.inks or (picture.pixels.ndim == 3 and picture.pixels.shape[2] == 2):
         return _by_pillow(picture, "TIFF", compression=_PILLOW_COMPRESSIONS[compression])
-    return _cv2_encoded(".tif", picture.pixels, {cv2.IMWRITE_TIFF_COMPRESSION: compression})
+    rows = max(_STRIP_BYTES // picture.pixels[0].nbytes, 1)
+    parameters = {cv2.IMWRITE_TIFF_COMPRESSION: compression, cv2.IMWRITE_TIFF_ROWSPERSTRIP: rows}
+    return _cv2_encoded(".tif", picture.pixels, parameters)
 
 
 def _webp(picture: Picture, metadata: Metadata, quality: int) -> bytes:

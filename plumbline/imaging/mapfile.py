@@ -15,8 +15,9 @@ import cv2
 import numpy as np
 
 from plumbline.errors import OptionError
-from plumbline.imaging.maps import NOWHERE, SamplingMap
-from plumbline.imaging.view import Scale, view_of
+from plumbline.imaging.maps import NOWHERE
+from plumbline.imaging.sampling import sampling_of
+from plumbline.imaging.view import Scale
 from plumbline.lenses.correction import Correction
 
 SUFFIXES = (".tif", ".tiff", ".npz")
@@ -34,7 +35,7 @@ def map_bytes(
         inverse: The map of observed pixels to ideal ones.
 
     Raises:
-        OptionError: the suffix stands for no map.
+        OptionError: the suffix stands for no map, or the lens folds.
     """
     suffix = Path(target).suffix.lower()
     if suffix not in SUFFIXES:
@@ -42,9 +43,8 @@ def map_bytes(
             f"a map cannot be written as {suffix or 'a file without suffix'}",
             hint=f"use one of {', '.join(SUFFIXES)}",
         )
-    view = view_of(correction, scale=scale, inverse=inverse)
-    width, height = correction.size
-    sampling = SamplingMap(correction.size, view.observed)
+    sampling = sampling_of(correction, scale=scale, inverse=inverse)
+    width, height = sampling.size
     if suffix == ".npz":
         observed = np.empty((height, width, 2), dtype=np.float32)
         for tile in sampling.tiles():

@@ -83,6 +83,19 @@ class SamplingMap:
             found[shown] = self.observed(points[shown])
         return found[..., 0].astype(np.float32), found[..., 1].astype(np.float32)
 
+    @property
+    def fold_px(self) -> float | None:
+        """How far from the centre the lens folds at the nearest, if inside the picture."""
+        return None if self._horizon is None else float(np.min(self._horizon.radii_px))
+
+    @property
+    def shown(self) -> float:
+        """The share of the picture's area that lies within the fold, at most 1."""
+        if self._horizon is None:
+            return 1.0
+        area = np.pi * float(np.mean(self._horizon.radii_px[:-1] ** 2))
+        return min(area / (self.size[0] * self.size[1]), 1.0)
+
     @cached_property
     def _horizon(self) -> Horizon | None:
         """How far out the picture shows anything; None where that is everywhere."""

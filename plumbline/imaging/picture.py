@@ -18,8 +18,13 @@ from PIL import Image, JpegImagePlugin
 from plumbline.errors import ReadError
 from plumbline.imaging.containers import jpeg, png, tiff
 from plumbline.imaging.containers.metadata import Metadata
+from plumbline.lenses.exif import FLOATS, FLOATS_HINT
 
 Pixels = NDArray[Any]
+
+MAKER_NOTES_LOST = (
+    "the maker notes were left out: they cannot be moved from one TIFF structure to another"
+)
 
 _DAMAGE = (ValueError, struct.error, IndexError, KeyError, TypeError, SyntaxError, EOFError)
 _HINT = "open it in a viewer, and save it again as JPEG, TIFF or PNG"
@@ -92,7 +97,7 @@ def decode(data: bytes, path: str | Path) -> Picture:
             warnings.simplefilter("ignore")
             image = Image.open(io.BytesIO(data))
             storage = _storage(image, data)
-            pixels = _by_cv2(image, data) if _suits_cv2(image, data) else _by_pillow(image)
+            pixels = _by_cv2(image, data) if _suits_cv2(image, data) else _by_pillow(image, path)
             metadata, notes = _metadata(image, data, storage.format)
             frames = getattr(image, "n_frames", 1) if image.format != "MPO" else 1
     except ReadError:
@@ -157,7 +162,7 @@ def _by_cv2(image: Image.Image, data: bytes) -> Pixels:
     return pixels
 
 
-def _by_pillow(image: Image.Image) -> Pixels:
+def _by_pillow(image: Image.Image, path: str | Path) -> Pixels:
     mode = _MODES.get(image.mode, image.mode)
     if "transparency" in image.info and mode in ("L", "RGB"):
         mode = "LA" if mode == "L" and image.mode != "P" else "RGBA"
@@ -167,7 +172,7 @@ def _by_pillow(image: Image.Image) -> Pixels:
             raise ValueError("its grey values have more than 16 bits")
         return values.astype(np.uint16)
     if mode == "F":
-        raise ValueError("its grey values are no whole numbers")
+        raise ReadError(FLOATS, path=path, hint=FLOATS_HINT)
     if mode not in ("L", "LA", "RGB", "RGBA", "CMYK"):
         mode = "RGB"
     pixels = np.asarray(image if image.mode == mode else image.convert(mode))
@@ -200,7 +205,8 @@ def _metadata(image: Image.Image, data: bytes, name: str) -> tuple[Metadata, lis
         own = reader(data)
     except _DAMAGE:
         return Metadata(), ["its metadata are damaged and were not kept"]
+    lost = [MAKER_NOTES_LOST] if name == "TIFF" and tiff.has_maker_notes(data) else []
     return (
         Metadata(own.exif, common.icc or own.icc, packet or own.xmp, common.dpi, own.records),
-        [],
+        lost,
     )

@@ -21,7 +21,7 @@ def read_points(
     *,
     inverse: bool = False,
 ) -> Observations:
-    """Points to be corrected, or with `inverse` to be distorted.
+    """Points to be corrected, or with `inverse` to be distorted; each stays, lines need not be.
 
     Args:
         path: The file.
@@ -33,7 +33,7 @@ def read_points(
         PlumblineError: they cannot be read, or the size of their photo is not known.
     """
     try:
-        return read(path, photo=photo, size=size, ideal=inverse)
+        return read(path, photo=photo, size=size, ideal=inverse, singly=True)
     except ReadError as error:
         if photo is None and size is None and "size" in error.message:
             error.hint = "name the photo too, or give its size with --size WIDTHxHEIGHT"
@@ -67,7 +67,10 @@ def correct_points(
         raise OptionError(
             f"the points lie in {len(used)} photos, and one is named", hint="leave the photo out"
         )
-    found = {index: correction_for(_facts(observations, index, photo), lens) for index in used}
+    facts = {index: _facts(observations, index, photo) for index in used}
+    if inverse:
+        facts = {index: each.taken_as_corrected() for index, each in facts.items()}
+    found = {index: correction_for(each, lens) for index, each in facts.items()}
     lines = tuple(
         replace(
             line,
@@ -86,4 +89,7 @@ def _facts(observations: Observations, index: int, photo: str | Path | None) -> 
     if photo is not None:
         return read_photo(photo)
     shot = observations.photos[index]
-    return PhotoFacts(shot.frame.size, observations.lenses[shot.lens], name=shot.name)
+    facts = observations.lenses[shot.lens]
+    return PhotoFacts(
+        shot.frame.size, facts, name=shot.name, maker=facts.exif_make, model=facts.exif_model
+    )

@@ -120,4 +120,6 @@ def _none_fits(candidates: Sequence[Candidate], focal_mm: float | None, where: s
 def _calibrate(candidates: Sequence[Candidate]) -> str:
     if all(each.range_mm is None for each in candidates):
         return "calibrate the lens with plumbline fit, and name the result with --lens"
+    if all(each.attached for each in candidates):
+        return "if a converter was attached, name it with --lens-name"
     return "give the right focal length with --focal, or calibrate the lens at this one"

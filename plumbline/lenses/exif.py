@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import struct
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +23,11 @@ _SOFTWARE, _PROCESSING, _HISTORY = 0x0131, 0x000B, 0x9213
 _MAKER_NOTES, _LENS_SPECIFICATION = 0x927C, 0xA432
 _PROFILE = re.compile(rb"LensProfileEnable\s*(?:=\s*[\"']|>)\s*1\b")
 _LENS_INFO = re.compile(rb"LensInfo\s*(?:=\s*[\"']|>)\s*(\d{1,9})/(\d{1,9}) (\d{1,9})/(\d{1,9})")
+_SAMPLE_FORMAT, _FLOATING = 339, 3
 _MM_PER_UNIT = {2: 25.4, 3: 10.0, 4: 1.0}
+
+FLOATS = "32-bit float pictures are not supported"
+FLOATS_HINT = "save it with 16 bits a channel"
 
 
 @dataclass(frozen=True)
@@ -64,6 +68,10 @@ class PhotoFacts:
         width, height = self.size
         return (height, width) if self.turned else (width, height)
 
+    def taken_as_corrected(self) -> PhotoFacts:
+        """The same photo where it is meant to be corrected: signs of it are no warning."""
+        return replace(self, history="", profile_applied=False, in_camera="")
+
 
 def read_photo(path: str | Path) -> PhotoFacts:
     """Read the header of a photograph; its pixels are not decoded.
@@ -87,6 +95,8 @@ def read_photo(path: str | Path) -> PhotoFacts:
     except FileNotFoundError:
         raise ReadError("there is no such photo", path=path, hint=hint) from None
     except UnidentifiedImageError:
+        if _is_float_tiff(path):
+            raise ReadError(FLOATS, path=path, hint=FLOATS_HINT) from None
         raise ReadError("this is no picture that can be read", path=path, hint=hint) from None
     except Image.DecompressionBombError:
         raise ReadError(
@@ -126,6 +136,21 @@ def read_photo(path: str | Path) -> PhotoFacts:
     )
 
 
+def _is_float_tiff(path: str | Path) -> bool:
+    """Whether this is a TIFF of floating-point numbers, of which Pillow knows grey ones only."""
+    from PIL.TiffImagePlugin import ImageFileDirectory_v2
+
+    try:
+        with Path(path).open("rb") as file, warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            directory = ImageFileDirectory_v2(file.read(8))
+            file.seek(directory.next)
+            directory.load(file)
+            return _FLOATING in directory.get(_SAMPLE_FORMAT, ())
+    except (OSError, ValueError, SyntaxError, LookupError, TypeError, struct.error):
+        return False
+
+
 def _exif_size(tags: dict[int, Any]) -> tuple[int, int] | None:
     width, height = _positive(tags, _WIDTH), _positive(tags, _HEIGHT)
     return (int(width), int(height)) if width and height else None
@@ -152,6 +177,8 @@ def _facts(tags: dict[int, Any]) -> LensFacts:
         maker=_text(tags, _LENS_MAKE) or make,
         model=_text(tags, _LENS_MODEL),
         camera=camera if not make or camera.startswith(make) else f"{make} {camera}".strip(),
+        exif_make=make,
+        exif_model=camera,
         focal_mm=focal_mm,
         crop_factor=crop_factor,
         crop_factor_error=crop_factor_error,

@@ -61,7 +61,7 @@ def export(stored: StoredLens, name: str) -> Exported:
     found = refit(lens, model, centre=target.centre and shifted, focal_px=focal_px)
     if not target.centre and not centred:
         notes.append(f"{name} holds no distortion centre: the lens was refitted without")
-    rewritten = replace(square, lens=found.lens)
+    rewritten = replace(square, lens=found.lens, homography=found.homography)
     notes += _notes(rewritten, name)
     return Exported(target.write(rewritten), found.deviation_px, model.label, tuple(notes))
 
@@ -84,6 +84,11 @@ def _squared(stored: StoredLens, notes: list[str]) -> StoredLens:
 
 def _notes(stored: StoredLens, name: str) -> list[str]:
     notes: list[str] = []
+    if name == "opencv":
+        notes.append(
+            "cv2.initUndistortRectifyMap makes plumbline's own picture with new_camera_matrix of "
+            "the file; with camera_matrix in its place the picture is scaled and shifted"
+        )
     if name == "opencv" and not stored.facts.focal_length_px(stored.lens.frame):
         notes.append(
             "the focal length is not known: the camera matrix has a stand-in, which straightens "

@@ -16,7 +16,7 @@ from plumbline.formats.imagemagick import barrel
 from plumbline.formats.lenses_txt import lenses_txt
 from plumbline.formats.lensfun import Distortion, LensfunLens, lensfun_xml
 from plumbline.formats.opencv_yaml import opencv_yaml
-from plumbline.formats.ptlens_profile import PTLensCamera, PTLensLens, ptlens_profile
+from plumbline.formats.ptlens_profile import PTLensCamera, PTLensLens, ptlens_profile, without_maker
 from plumbline.formats.pto_writing import new_project
 from plumbline.lens import Lens
 from plumbline.lenses.stored import StoredLens
@@ -132,15 +132,18 @@ def _hfov(stored: StoredLens) -> float | None:
 def _ptlens(stored: StoredLens) -> bytes:
     facts, crop_factor = stored.facts, _crop_factor(stored)
     maker, model = _camera(facts)
-    camera = f"{maker} {model}"
-    group = frozenset({re.sub(r"[^a-z0-9]", "", camera.casefold()) or "camera"})
+    menu_model = without_maker(model, maker)
+    group = frozenset({re.sub(r"[^a-z0-9]", "", f"{maker}{menu_model}".casefold()) or "camera"})
     name = _head(stored).model
     made = PTLensLens(name, group, crop_factor, ((_focal_mm(stored), _abc(stored.lens)),))
-    return ptlens_profile(PTLensCamera(camera, maker, model, group, crop_factor), made, _MARK)
+    camera = PTLensCamera(maker, menu_model, maker, model, group, crop_factor)
+    return ptlens_profile(camera, made, _MARK)
 
 
 def _camera(facts: LensFacts) -> tuple[str, str]:
-    """Maker and model of the camera, as EXIF has them where the maker is known."""
+    """Maker and model of the camera, as EXIF has them where it told them."""
+    if facts.exif_model:
+        return facts.exif_make or facts.exif_model.split()[0], facts.exif_model
     camera = facts.camera or "Unknown camera"
     if facts.maker and camera.startswith(f"{facts.maker} "):
         return facts.maker, camera.removeprefix(f"{facts.maker} ")
@@ -155,7 +158,7 @@ def _imagemagick(stored: StoredLens) -> bytes:
 
 
 def _opencv(stored: StoredLens) -> bytes:
-    return opencv_yaml(stored.lens, _MARK)
+    return opencv_yaml(stored.lens, stored.homography, _MARK)
 
 
 TARGETS: dict[str, Target] = {

@@ -12,12 +12,12 @@ from plumbline.lenses.curves import lensfun_values
 from plumbline.lenses.exif import PhotoFacts
 from plumbline.lenses.lensfun_database import (
     Database,
+    beyond_library,
     camera_name,
     common_database,
     database_of,
     entries_of,
     find_camera,
-    is_version_2,
     similar_cameras,
 )
 from plumbline.lenses.lensfun_profile import interpolated, profile_of_entry
@@ -36,7 +36,7 @@ def from_file(path: str, photo: PhotoFacts, request: LensRequest) -> Found:
     Raises:
         PlumblineError: it is damaged, or holds no lens or several that match.
     """
-    if not Path(path).is_dir() and is_version_2(path):
+    if not Path(path).is_dir() and beyond_library(path):
         return _from_entries(path, photo, request)
     return find(database_of(path), photo, request, chosen_file=True)
 

@@ -70,21 +70,22 @@ def common_database() -> Database:
     files, notes = list[str](), list[str]()
     for folder in folders:
         for file in _xml_files(folder):
-            if folder == home:
-                try:
-                    _load([file])
-                except ReadError as error:
-                    notes.append(f"left aside: {error.message}")
-                    continue
-            files.append(file)
+            if folder != home:
+                files.append(file)
+            elif reason := _why_unreadable(file):
+                notes.append(f"left aside: {reason}")
+            else:
+                files.append(file)
     return Database(_library(files), tuple(files), "LensFun's database", tuple(notes))
 
 
 def database_of(path: str) -> Database:
     """The database of one XML file or of the XML files of a folder.
 
+    Damaged files of a folder are left aside with a note.
+
     Raises:
-        ReadError: there is none, or one is damaged.
+        ReadError: there is none that can be read.
     """
     place = Path(path)
     files = _xml_files(place) if place.is_dir() else [path]
@@ -98,16 +99,28 @@ def database_of(path: str) -> Database:
 @cache
 def _database_at(path: str, stamped: tuple[tuple[str, _Stamp], ...]) -> Database:
     files = [file for file, _ in stamped]
-    return Database(_load(files), tuple(files), path)
+    try:
+        return Database(_load(files), tuple(files), path)
+    except ReadError:
+        reasons = {file: _why_unreadable(file) for file in files}
+        good = [file for file in files if not reasons[file]]
+        if not good:
+            raise
+    notes = tuple(f"left aside: {reason}" for reason in reasons.values() if reason)
+    return Database(_library(good), tuple(good), path, notes)
 
 
-def is_version_2(path: str) -> bool:
+def beyond_library(path: str) -> bool:
     """Whether a file is a LensFun database that the released library refuses.
+
+    It is where it says that it is of version 2, or holds the model `acm` of that version.
 
     Raises:
         ReadError: it is damaged, or no LensFun database.
     """
-    return _parsed(path).version == 2
+    found = _parsed(path)
+    models = {each.model for lens in found.lenses for each in lens.distortions}
+    return found.version == 2 or "acm" in models
 
 
 def entries_of(path: str) -> Sequence[LensfunEntry]:
@@ -141,7 +154,7 @@ def _words(name: str) -> set[str]:
 def similar_cameras(database: Database, maker: str, model: str) -> list[str]:
     """Names of cameras whose names are alike, for a question."""
     found = database.library.find_cameras(maker or None, model, True) if model else []
-    return [camera_name(camera) for camera in found[:5]]
+    return list(dict.fromkeys(camera_name(camera) for camera in found))[:5]
 
 
 def camera_name(camera: Any) -> str:
@@ -207,13 +220,23 @@ def _parsed_at(file: str, _at: _Stamp) -> LensfunFile:
 
 def _load(files: Sequence[str]) -> Any:
     for file in files:
-        if _parsed(file).version == 2:
+        if beyond_library(file):
             raise ReadError(
-                "this is a LensFun database of version 2, which LensFun 0.3 does not read",
+                "this is a LensFun database of version 2 (or with its model acm), which LensFun "
+                "0.3 does not read",
                 path=file,
                 hint="name the file itself with --lens",
             )
     return _library(files)
+
+
+def _why_unreadable(file: str) -> str:
+    """What is wrong with a file, in a sentence; empty if nothing is."""
+    try:
+        _load([file])
+    except ReadError as error:
+        return error.message
+    return ""
 
 
 def _library(files: Sequence[str]) -> Any:
@@ -231,7 +254,8 @@ def _library(files: Sequence[str]) -> Any:
             for file in files:
                 _library([file])
         raise ReadError(
-            f"LensFun does not read this file: {error or 'unknown element'}",
+            "LensFun does not read this file: "
+            + (str(error) or "it holds an element or a value that LensFun does not know"),
             path=files[0] if files else "",
             hint="correct the file; LensFun fails on elements and attributes it does not know",
         ) from None

@@ -76,6 +76,10 @@ def correction(profile: LensProfile, photo: PhotoFacts, request: LensRequest) ->
             request does not say how.
     """
     notes = [*history_notes(photo)]
+    if not any(profile.coefficients) and profile.observed_centre == profile.ideal_centre:
+        notes.append("the lens has no distortion: the photo stays as it is")
+    elif not any(profile.coefficients):
+        notes.append("the lens has no distortion: the photo is only shifted (d, e)")
     whole = whole_size(photo, profile.size, request, notes)
     frame = Frame(*photo.size, profile.pixel_aspect)
     diagonal_px = float(np.hypot(*Frame(*whole, profile.pixel_aspect).square_size))
@@ -122,17 +126,21 @@ def clamp_focal(
             hint="give it with --focal",
         )
     nearest = min(max(focal_mm, low), high)
+    taken = f"the photo was taken at {focal_mm:.4g} mm"
     if not low * (1 - _FAR) <= focal_mm <= high * (1 + _FAR):
+        away = f"out of the calibrated range of {what}, {calibrated}"
+        if low == high:
+            away = f"away from the {calibrated} that {what} is calibrated at"
         raise OptionError(
-            f"the photo was taken at {focal_mm:.4g} mm, more than 10 % out of the calibrated "
-            f"range of {what}, {calibrated}",
+            f"{taken}, more than 10 % {away}",
             hint="calibrate the lens at this focal length, or give the right one with --focal",
         )
     if abs(focal_mm / nearest - 1) <= _NEAR:
         return nearest, ""
+    if low == high:
+        return low, f"{taken}, the lens is calibrated at {calibrated}: corrected as there"
     return nearest, (
-        f"the photo was taken at {focal_mm:.4g} mm, out of the calibrated range {calibrated}: "
-        f"corrected as at {nearest:g} mm"
+        f"{taken}, out of the calibrated range {calibrated}: corrected as at {nearest:g} mm"
     )
 
 

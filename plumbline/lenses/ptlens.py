@@ -78,15 +78,16 @@ def _camera(
         words = asked.casefold().split()
         names = [c for c in profile.cameras if words in _spellings(c)]
     else:
-        own = (photo.maker.casefold(), photo.model.casefold())
         names = [
-            c for c in profile.cameras if (c.exif_make.casefold(), c.exif_model.casefold()) == own
+            camera
+            for camera in profile.cameras
+            if photo.model and camera.is_of(photo.maker, photo.model)
         ]
     if names:
         return names[0]
     if not asked and not photo.model:
         raise no_camera()
-    known = listed([printable(camera.menu_name) for camera in profile.cameras], 6)
+    known = listed(list(dict.fromkeys(printable(each.menu_name) for each in profile.cameras)), 6)
     raise OptionError(
         f"the camera {asked or photo.facts.camera} is not in {path} (it has: {known})",
         hint="take a comparable camera with --like CAMERA, or name another file with --lens",

@@ -32,10 +32,13 @@ class Refit:
     Attributes:
         lens: The fitted lens.
         deviation_px: How far it moves a point of the photo from where the original does.
+        homography: G, from the original's ideal points to those of `lens`, both in half
+            shorter sides from the image centre; shape (3, 3).
     """
 
     lens: Lens
     deviation_px: float
+    homography: Array
 
 
 def refit(lens: Lens, model: Model, *, centre: bool, focal_px: float | None = None) -> Refit:
@@ -78,16 +81,23 @@ def refit(lens: Lens, model: Model, *, centre: bool, focal_px: float | None = No
         zip((*names, *CENTRE), (float(v) for v in (*theta[:n], *shift)), strict=True)
     )
     distance = np.hypot(*off(theta).reshape(-1, 2).T) * frame.radius_px
-    return Refit(Lens(model, frame, values, focal_px), float(np.max(distance)))
+    return Refit(
+        Lens(model, frame, values, focal_px),
+        float(np.max(distance)),
+        _matrix(theta[n + n_centre :]),
+    )
 
 
 def _moved(points: Array, g: Array) -> Array:
     """Points after a scale and translation (3 parameters) or a homography (8)."""
-    if len(g) == 3:
-        return points * (1 + g[0]) + g[1:]
-    matrix = np.append(g, 0.0).reshape(3, 3) + np.eye(3)
-    moved = np.column_stack((points, np.ones(len(points)))) @ matrix.T
+    moved = np.column_stack((points, np.ones(len(points)))) @ _matrix(g).T
     return moved[:, :2] / moved[:, 2:]
+
+
+def _matrix(g: Array) -> Array:
+    if len(g) == 3:
+        return np.array([[1 + g[0], 0, g[1]], [0, 1 + g[0], g[2]], [0, 0, 1]])
+    return np.append(g, 0.0).reshape(3, 3) + np.eye(3)
 
 
 def _least_squares(off: Callable[[Array], Array], theta: Array) -> Array:

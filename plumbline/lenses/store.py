@@ -6,7 +6,8 @@ import re
 from dataclasses import replace
 from pathlib import Path
 
-from plumbline.errors import OptionError, ReadError, WriteError
+from plumbline.calibration import refuse_unsettled
+from plumbline.errors import OptionError, ReadError, UnsettledError, WriteError
 from plumbline.facts import LensFacts
 from plumbline.files import RESULT, ZOOM, read_bytes, write_atomically
 from plumbline.formats.base import Source
@@ -40,6 +41,7 @@ def add(path: str, *, overwrite: bool = False) -> Path:
     Raises:
         ReadError: the file is damaged, or no such JSON.
         OptionError: it does not tell the camera or the focal length, so nothing could find it.
+        UnsettledError: its fit did not reach a minimum.
         WriteError: there is one already, or the store cannot be written.
     """
     source = Source(path, read_bytes(path))
@@ -55,6 +57,7 @@ def add(path: str, *, overwrite: bool = False) -> Path:
                 f"{path} holds {len(made)} calibrations",
                 hint="fit each lens by itself (--image N), or join them with plumbline zoom",
             )
+        refuse_unsettled(made)
         facts = made[0].observations.lenses[0]
         focal_mm = facts.focal_length_mm(made[0].lens.frame)
         if focal_mm is None:
@@ -113,7 +116,7 @@ def find(photo: PhotoFacts, request: LensRequest) -> tuple[LensProfile | None, t
                 facts = stored.facts
                 own = facts.focal_length_mm(stored.lens.frame) or 0.0
                 calibrated = (own, own)
-        except ReadError as error:
+        except (ReadError, UnsettledError) as error:
             notes.append(f"a calibration of your own was left aside: {error.message}")
             continue
         if not _fits(facts, photo, request):

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-from plumbline.calibration import Calibration
+from plumbline.calibration import Calibration, refuse_unsettled
 from plumbline.facts import LensFacts
+from plumbline.frame import Array
 from plumbline.lens import Lens
 from plumbline.observations import Observations
 
@@ -20,6 +21,8 @@ class StoredLens:
         photos: Names of the photos it belongs to.
         notes: What to warn of.
         observations: The points it was fitted to; None where there are none.
+        homography: Where it was refitted, from plumbline's ideal points to those of `lens`,
+            both in half shorter sides from the image centre, shape (3, 3); None if not.
     """
 
     lens: Lens
@@ -27,14 +30,19 @@ class StoredLens:
     photos: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     observations: Observations | None = None
+    homography: Array | None = field(default=None, compare=False)
 
 
 def of_calibration(made: Calibration) -> StoredLens:
-    """The lens of a calibration."""
+    """The lens of a calibration.
+
+    Raises:
+        UnsettledError: its fit did not reach a minimum.
+    """
+    refuse_unsettled([made])
     names = tuple(photo.name for photo in made.observations.photos if photo.name)
-    notes = () if made.converged else ("its fit did not end in a minimum",)
     facts = made.observations.lenses[0]
-    return StoredLens(made.lens, facts, names, notes=notes, observations=made.observations)
+    return StoredLens(made.lens, facts, names, observations=made.observations)
 
 
 def projection_note(projection: str) -> tuple[str, ...]:

@@ -31,6 +31,7 @@ def stored_lenses(source: Source) -> tuple[StoredLens, ...]:
 
     Raises:
         ReadError: the file is damaged, or none of these.
+        UnsettledError: a fit in it did not reach a minimum.
     """
     head = source.head.lstrip()
     if head.startswith("{") and f'"{RESULT}"' in head[:1024]:
@@ -101,6 +102,8 @@ def _of_ini(source: Source) -> StoredLens:
     camera = f"{found.camera_maker} {found.camera_model}".strip()
     facts = LensFacts(
         camera=printable(camera),
+        exif_make=printable(found.camera_maker),
+        exif_model=printable(found.camera_model),
         focal_mm=found.focal_mm,
         crop_factor=found.crop_factor,
         hfov_deg=found.hfov_deg,

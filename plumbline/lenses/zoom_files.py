@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from plumbline._version import __version__
-from plumbline.calibration import Calibration
+from plumbline.calibration import Calibration, refuse_unsettled
 from plumbline.errors import OptionError, UnsupportedModelError, WriteError
 from plumbline.files import MARK, ZOOM, read_bytes
 from plumbline.formats.base import Source
@@ -51,6 +51,7 @@ def read_zoom_lens(
                 "this is a zoom lens already", hint="name the results that it was made from"
             )
         calibrations += [(path, made) for made in from_json(source.text(), path)]
+    refuse_unsettled([made for _, made in calibrations])
     lens = join(calibrations, method, degree)
     given = {name: value for name, value in labels.items() if value is not None}
     return replace(lens, facts=replace(lens.facts, **given))

@@ -18,10 +18,10 @@ _MOST_NEEDED = 2
 def print_zoom(console: Console, lens: ZoomLens) -> None:
     """Print the coefficients over focal length, their scatter, and what is needed most."""
     low, high = lens.range_mm
+    span = f"{low:g} mm" if low == high else f"{low:g} to {high:g} mm"
     n = sum(len(node.sources) for node in lens.nodes)
     console.print(
-        f"[bold]{count(n, 'calibration')} at {count(len(lens.nodes), 'focal length')}, "
-        f"{low:g} to {high:g} mm[/]",
+        f"[bold]{count(n, 'calibration')} at {count(len(lens.nodes), 'focal length')}, {span}[/]",
         highlight=False,
     )
     console.print(zoom_table(lens))

@@ -23,6 +23,9 @@ from tests.truth import Array, TrueLens
 ROOT = Path(__file__).parents[2]
 OLYMPUS = ROOT.parent / "shared" / "data" / "olympus"
 PTLENS = ("--ptlens", "a=0,b=-0.05,c=0")
+POINTS = ("--points", "p.csv", "--size", "9x9")
+MAP = ("--map", "m.tif")
+FOLDED = ("--ptlens", "a=-0.3,b=-0.4")
 SIZE = (600, 400)
 TRUTH = TrueLens("ptlens", {"a": 0.0, "b": -0.05, "c": 0.0}, SIZE)
 
@@ -147,13 +150,15 @@ def test_points_instead_of_pixels_and_back(tmp_path: Path) -> None:
 
 def test_points_at_the_edge_go_and_come_back(tmp_path: Path) -> None:
     edge = "line,x,y\n" + "".join(f"top,{x},{y}\n" for x, y in ((0, 0), (300, 1), (599, 0)))
-    (tmp_path / "edge.csv").write_text(edge + "short,5,5\nshort,9,9\n")
+    (tmp_path / "edge.csv").write_text(edge + "short,5,5\nshort,5,5\none,7,7\n")
     frame = (*PTLENS, "--size", "600x400")
-    done = plumb(tmp_path, "correct", "--points", "edge.csv", *frame)
-    assert "Note: 1 line set aside for having fewer than 3 distinct points" in done.stderr
-    assert _rows(tmp_path / "edge_corrected.csv")[1].min() < -1
+    plumb(tmp_path, "correct", "--points", "edge.csv", *frame)
+    labels, found = _rows(tmp_path / "edge_corrected.csv")
+    assert found.min() < -1
+    assert labels == ["top"] * 3 + ["short"] * 2 + ["one"]  # points need no lines
     plumb(tmp_path, "correct", "--points", "edge_corrected.csv", "--inverse", *frame, "-o", "b.csv")
-    assert np.max(np.abs(_rows(tmp_path / "b.csv")[1] - [(0, 0), (300, 1), (599, 0)])) < 1e-9
+    expected = [(0, 0), (300, 1), (599, 0), (5, 5), (5, 5), (7, 7)]
+    assert np.max(np.abs(_rows(tmp_path / "b.csv")[1] - expected)) < 1e-9
 
 
 def test_corrected_points_leave_the_old_lenses_behind(tmp_path: Path) -> None:
@@ -211,6 +216,24 @@ def test_pixels_the_other_way(tmp_path: Path) -> None:
         (("correct", "missing.jpg", *PTLENS), 1, "no such photo"),
         (("correct", "a.jpg", *PTLENS, "--quality", "101"), 2, "--quality"),
         (("correct", "a.jpg", "--ptlens", "file"), 2, "--ptlens"),
+        *(
+            (("correct", *POINTS, *PTLENS, *useless), 2, f"--points has no use for {useless[0]};")
+            for useless in (
+                *(("--scale", "keep"), ("--border", "white"), ("--difference",), ("--jobs", "2")),
+                *(("--quality", "95"), ("--interpolation", "cubic"), ("--skip-existing",)),
+            )
+        ),
+        *(
+            (("correct", "a.jpg", *MAP, *PTLENS, *useless), 2, f"--map has no use for {useless[0]}")
+            for useless in (("-o", "x.tif"), ("--border", "edge"), ("--difference",))
+        ),
+        *(
+            (("correct", "a.jpg", *PTLENS, name, "x"), 2, f"leave out {name}")
+            for name in ("--camera", "--lens", "--lens-name", "--like")
+        ),
+        (("correct", "a.jpg", *PTLENS, "--focal", "9"), 2, "leave out --focal"),
+        (("correct", "a.jpg", "--ptlens", "b=5"), 1, "hardly anything of the photo remains"),
+        (("correct", "a.jpg", *FOLDED, "--scale", "fill"), 1, "cannot fill the frame"),
     ],
 )
 def test_refusals(tmp_path: Path, arguments: tuple[str, ...], status: int, sentence: str) -> None:
@@ -273,3 +296,21 @@ def test_the_worked_example_has_straight_joints(tmp_path: Path) -> None:
         Image.open(tmp_path / "olympus_c250l_9.2mm_corrected.JPG") as after,
     ):
         assert after.size == before.size
+
+
+def test_a_fold_is_told(tmp_path: Path) -> None:
+    """r (1.7 - 0.4 r^2 - 0.3 r^3) is largest at r = 0.855, of half the shorter side."""
+    photo(tmp_path / "a.png")
+    done = plumb(tmp_path, "correct", "a.png", *FOLDED)
+    r = np.linspace(0, 1.5, 100_001)
+    fold = r[np.argmax(r * (1.7 - 0.4 * r**2 - 0.3 * r**3))] * SIZE[1] / 2
+    assert f"fold {fold - 0.5:.0f} px from the centre" in done.stderr
+    assert "fold" not in plumb(tmp_path, "correct", "a.png", *PTLENS).stderr
+
+
+def test_a_corrected_photo_may_be_distorted(tmp_path: Path) -> None:
+    photo(tmp_path / "a.jpg")
+    plumb(tmp_path, "correct", "a.jpg", *PTLENS, "-o", "b.jpg")
+    assert "bends it again" in plumb(tmp_path, "correct", "b.jpg", *PTLENS).stderr
+    for more in ((), ("--map", "m.npz")):
+        assert plumb(tmp_path, "correct", "b.jpg", *PTLENS, "--inverse", *more).stderr == ""

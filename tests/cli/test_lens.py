@@ -40,6 +40,12 @@ def test_add_and_find(coolpix: Path, tmp_path: Path) -> None:
     assert plumbline("lens", "add", result, "--overwrite", home=tmp_path).returncode == 0
 
 
+def test_add_wants_a_result(tmp_path: Path) -> None:
+    done = plumbline("lens", "add", home=tmp_path)
+    assert done.returncode == 2
+    assert "name a result to add" in done.stderr
+
+
 def test_questions_are_sentences(tmp_path: Path) -> None:
     done = plumbline("lens", photo(tmp_path / "b.jpg"), home=tmp_path)
     assert done.returncode == 1

@@ -49,14 +49,14 @@ def test_an_index_gathers_its_files(tmp_path: Path) -> None:
     found = read_ptlens(source)
     (camera,) = found.cameras
     assert camera == PTLensCamera(
-        "Canon EOS 10D", "Canon", "Canon EOS 10D", frozenset({"canon slr", "m42"}), 1.6
+        "Canon", "EOS 10D", "Canon", "Canon EOS 10D", frozenset({"canon slr", "m42"}), 1.6
     )
     (lens,) = found.lenses
     assert lens.calibrations == ((17.0, (0.0067, -0.0201, 0.0)), (40.0, (0.0, 0.001, 0.0)))
 
 
 def test_what_is_written_is_read_again() -> None:
-    camera = PTLensCamera("Maker Body", "MAKER", "BODY", frozenset({"g"}), 1.5)
+    camera = PTLensCamera("Maker", "Body", "MAKER", "BODY", frozenset({"g"}), 1.5)
     lens = PTLensLens("Zoom", frozenset({"g"}), 1.5, ((18.0, (0.01, -0.02, 0.003)),))
     found = read_ptlens(Source("p.txt", ptlens_profile(camera, lens, "made by plumbline")))
     assert found.cameras == (camera,)

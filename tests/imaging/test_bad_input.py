@@ -9,6 +9,7 @@ import zlib
 from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
 import pytest
 from PIL import Image
@@ -122,3 +123,10 @@ def test_a_folder_without_permission(tmp_path: Path) -> None:
         pytest.skip("this user may write everywhere, so that no folder is closed")
     with pytest.raises(WriteError, match="cannot be written"):
         plumbline.correct(tmp_path / "a.jpg", BARREL, closed / "b.jpg")
+
+
+@pytest.mark.parametrize("shape", [SIZE[::-1], (*SIZE[::-1], 3)])
+def test_pictures_of_floats_are_named(tmp_path: Path, shape: tuple[int, ...]) -> None:
+    cv2.imwrite(str(tmp_path / "a.tif"), np.full(shape, 0.5, dtype=np.float32))
+    with pytest.raises(ReadError, match="32-bit float pictures are not supported"):
+        plumbline.correct(tmp_path / "a.tif", BARREL)

@@ -249,3 +249,61 @@ def test_a_second_correction_is_warned_of(tmp_path: Path) -> None:
 )
 def test_the_note_tells_the_lens_and_not_the_user_s_folders(description: str, told: str) -> None:
     assert note_of(description).endswith(f"({told})")
+
+
+@pytest.mark.parametrize("target", ["b.tif", "b.jpg"])
+@pytest.mark.parametrize("source", ["a.jpg", "a.tif"])
+def test_maker_notes_that_cannot_be_moved_are_left_out(
+    tmp_path: Path, source: str, target: str
+) -> None:
+    made = tags()
+    made.get_ifd(0x8769)[0x927C] = b"Nikon\0" + bytes(range(100))
+    image = Image.fromarray(texture(SIZE))
+    image.save(tmp_path / "a.jpg", exif=made)
+    image.save(tmp_path / "a.tif")
+    data = (tmp_path / "a.tif").read_bytes()
+    below = (
+        tiff.Field(0x920A, 5, struct.pack("<II", 35, 1)),
+        tiff.Field(0x927C, 7, b"Nikon\0" + bytes(range(100))),
+    )
+    fields = tiff.read_directory(data, tiff.first_directory(data))[0]
+    directory = tiff.directory_bytes(
+        [*fields, tiff.Field(34665, 4, bytes(4), below)], len(data), "<"
+    )
+    head = data[:4] + struct.pack("<I", len(data)) + data[8:]
+    (tmp_path / "a.tif").write_bytes(head + directory)
+    done = plumbline.correct(tmp_path / source, BARREL, tmp_path / target)
+    kept = (source, target) == ("a.jpg", "b.jpg")
+    with Image.open(done.output) as found:
+        inner = found.getexif().get_ifd(0x8769)
+    assert (0x927C in inner) == kept
+    assert inner[0x920A] == 35
+    assert sum("maker notes were left out" in note for note in done.notes) == (not kept)
+
+
+def test_tiff_has_strips_of_a_sensible_size(tmp_path: Path) -> None:
+    Image.fromarray(texture((1200, 900))).save(tmp_path / "a.tif")
+    done = plumbline.correct(tmp_path / "a.tif", BARREL)
+    with Image.open(done.output) as found:
+        rows: Any = found.tag_v2[278]  # type: ignore[attr-defined]
+        row_bytes = np.asarray(found)[0].nbytes
+    assert 2**15 < rows * row_bytes <= 2**16
+
+
+def test_an_empty_directory_of_the_original_is_left_out(tmp_path: Path) -> None:
+    """As that of GPS which some cameras write; its offset would point anywhere."""
+    empty = b"\0" * 6
+    block = tiff.new_block([tiff.Field(0x010F, 2, b"A maker\0")])
+    at = tiff.first_directory(block)
+    one = block[at + 2 : at + 14]
+    gps = struct.pack("<HHII", 34853, 4, 1, 8)
+    start = 8 + len(empty)
+    directory = struct.pack("<H", 2) + one[:8] + struct.pack("<I", start + 30) + gps + bytes(4)
+    whole = block[:4] + struct.pack("<I", start) + empty + directory + b"A maker\0"
+    Image.fromarray(texture(SIZE)).save(tmp_path / "a.jpg", exif=b"Exif\0\0" + whole)
+    done = plumbline.correct(tmp_path / "a.jpg", BARREL, tmp_path / "b.tif")
+    with Image.open(done.output) as found:
+        assert found.getexif()[0x010F] == "A maker"
+        assert 34853 not in found.getexif()
+    again = plumbline.correct(done.output, BARREL, tmp_path / "c.tif")
+    assert not any("damaged" in note for note in again.notes)

@@ -16,7 +16,7 @@ from plumbline.errors import OptionError
 from plumbline.facts import LensFacts
 from plumbline.frame import Array, Frame
 from plumbline.lens import Lens
-from plumbline.lenses.exif import PhotoFacts
+from plumbline.lenses.exif import PhotoFacts, read_photo
 from plumbline.lenses.export import export
 from plumbline.lenses.export_files import export_file
 from plumbline.lenses.export_targets import TARGETS
@@ -27,6 +27,7 @@ from plumbline.lenses.stored import StoredLens
 from plumbline.models import get_model
 from tests.lenses.library import lensfunpy
 from tests.lenses.made import calibration, saved
+from tests.lenses.photos import photo
 from tests.peers.tools import program, run
 from tests.truth import scale
 
@@ -129,14 +130,22 @@ def test_imagemagick_runs_the_script(tmp_path: Path) -> None:
     convert = program("convert-im6.q16", "convert")
     lens = stored(coefficients=ABC, d=25.0, e=-14.0)
     script = export(lens, "imagemagick").content.decode()
-    arguments = script.partition('Barrel "')[2].partition('"')[0]
     # Dots that are wide enough to be found again, their centres measured by weight.
     y, x = np.mgrid[0 : SIZE[1], 0 : SIZE[0]]
     dots = [(300, 300), (1700, 250), (1000, 760), (400, 1300), (1750, 1200)]
     picture = sum(np.exp(-((x - u) ** 2 + (y - v) ** 2) / 50.0) for u, v in dots)
     Image.fromarray((np.clip(picture, 0, 1) * 255).astype(np.uint8)).save(tmp_path / "in.png")
-    run([convert, str(tmp_path / "in.png"), "-virtual-pixel", "black", "-distort", "Barrel",
-         arguments, str(tmp_path / "out.png")])  # fmt: skip
+    # Without a `magick`, as on Debian, `convert` of ImageMagick 6 does it.
+    (tmp_path / "bin").mkdir()
+    (tmp_path / "bin" / "convert").symlink_to(convert)
+    (tmp_path / "correct.sh").write_text(f"PATH={tmp_path}/bin\n{script}")
+    run(
+        [
+            "/bin/sh",
+            str(tmp_path / "correct.sh"),
+            *(str(tmp_path / n) for n in ("in.png", "out.png")),
+        ]
+    )
     theirs = np.asarray(Image.open(tmp_path / "out.png").convert("L"), dtype=float)
     ideal = lens.lens.undistort(np.array(dots, dtype=float)) + np.array([25.0, -14.0])
     for u, v in ideal:
@@ -266,3 +275,59 @@ def test_json_is_the_result_itself(tmp_path: Path) -> None:
     made = export_file(path, "json", tmp_path / "copy.json", None, {})
     assert made.content == Path(path).read_bytes()
     assert io.BytesIO(made.content).read(1) == b"{"
+
+
+@pytest.mark.parametrize(
+    ("make", "model", "menu"),
+    [
+        ("Canon", "Canon EOS 450D", ("Canon", "EOS 450D")),
+        ("NIKON CORPORATION", "NIKON D7100", ("NIKON CORPORATION", "D7100")),
+        ("NIKON", "E995", ("NIKON", "E995")),
+    ],
+)
+def test_a_ptlens_profile_names_the_camera_as_exif_does(
+    make: str, model: str, menu: tuple[str, str], tmp_path: Path
+) -> None:
+    shot = read_photo(photo(tmp_path / "a.jpg", make=make, model=model, focal=18.0))
+    made = calibration(size=(400, 300), b=-0.02)
+    facts = replace(shot.facts, crop_factor=1.6)
+    observations = replace(made.observations, lenses=(facts,))
+    result = saved(tmp_path / "r.json", replace(made, observations=observations))
+    content = export_file(result, "ptlens", None, None, {}).content
+    assert f"menu_make: {menu[0]}\nmenu_model: {menu[1]}\n" in content.decode()
+    assert f"exif_make: {make}\nexif_model: {model}\n" in content.decode()
+    path = tmp_path / "x.txt"
+    path.write_bytes(content)
+    assert "b = -0.02" in find_correction(shot, LensRequest(source=str(path))).description
+    # Profiles of other programs spell the model without its maker, or with.
+    path.write_bytes(
+        content.replace(f"exif_model: {model}".encode(), f"exif_model: {menu[1]}".encode())
+    )
+    assert "b = -0.02" in find_correction(shot, LensRequest(source=str(path))).description
+
+
+@pytest.mark.parametrize("model", ["ptlens", "division", "opencv", "brown"])
+def test_opencv_makes_plumbline_s_own_picture(model: str, tmp_path: Path) -> None:
+    values = {
+        "ptlens": {"b": -0.03, "d": 12.0, "e": -7.0},
+        "division": {"l1": -0.03},
+        "opencv": {"k1": -0.1, "k2": 0.02, "p1": 0.001, "d": 9.0, "e": 4.0},
+        "brown": {"k1": 0.02, "p1": 0.0005, "p2": -0.0003},
+    }[model]
+    lens = stored(model, focal_px=2200.0, coefficients=values)
+    lens = replace(lens, facts=LensFacts(focal_px=2200.0))
+    made = export(lens, "opencv")
+    assert any("new_camera_matrix" in note for note in made.notes)
+    path = tmp_path / "lens.yml"
+    path.write_bytes(made.content)
+    store = cv2.FileStorage(str(path), cv2.FILE_STORAGE_READ)
+    names = ("camera_matrix", "distortion_coefficients", "new_camera_matrix")
+    matrix, k, new = (store.getNode(name).mat() for name in names)
+    x, y = cv2.initUndistortRectifyMap(matrix, k, None, new, SIZE, cv2.CV_32FC1)  # type: ignore[call-overload]
+    theirs = np.stack((x, y), axis=-1)[::97, ::89]
+    rows, columns = np.mgrid[0 : SIZE[1] : 97, 0 : SIZE[0] : 89]
+    ideal = np.stack((columns, rows), axis=-1).astype(float)
+    ours = lens.lens.distort(ideal)
+    inside = np.all((ours >= 0) & (ours <= np.array(SIZE) - 1.0), axis=-1)
+    off = np.hypot(*np.moveaxis(theirs - ours, -1, 0))[inside]
+    assert np.max(off) < (made.deviation_px or 0.0) * 1.2 + 0.002

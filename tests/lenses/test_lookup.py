@@ -42,6 +42,7 @@ XML = """<lensdatabase version="1">
     </lens>
 </lensdatabase>
 """
+ACM = ("k1", "k2", "k3", "k4", "k5")
 
 
 @pytest.fixture(autouse=True)
@@ -430,3 +431,59 @@ def test_exif_may_tell_the_range_of_the_lens(
     tmp_path: Path, told: tuple[float, float] | None, expected: tuple[float, float] | None
 ) -> None:
     assert read_photo(photo(tmp_path / "a.jpg", lens_range=told)).lens_range_mm == expected
+
+
+def test_converters_do_not_stand_in_for_the_lens_itself() -> None:
+    """The standard lens ends at 31 mm; those with a converter reach farther."""
+    shot = PhotoFacts((2048, 1536), LensFacts(camera="NIKON E995"), maker="NIKON", model="E995")
+    with pytest.raises(OptionError, match="out of the calibrated range") as error:
+        find_correction(shot, LensRequest(focal_mm=35.0))
+    assert "Standard" in error.value.message
+    candidates = look_up(shot, LensRequest(focal_mm=20.0)).candidates
+    (reaching,) = [each.name for each in candidates if each.covers(35.0)]
+    found = find_correction(shot, LensRequest(focal_mm=35.0, lens_name=reaching))
+    assert reaching in found.description
+
+
+def test_a_lens_without_distortion_is_told(xml: str) -> None:
+    shot = PhotoFacts((401, 301), LensFacts())
+    notes = find_correction(shot, LensRequest(ptlens={"a": 0.0, "b": 0.0})).notes
+    assert notes == ("the lens has no distortion: the photo stays as it is",)
+    notes = find_correction(shot, LensRequest(ptlens={"b": 0.0, "d": 5.0})).notes
+    assert notes == ("the lens has no distortion: the photo is only shifted (d, e)",)
+    assert not find_correction(shot, LensRequest(ptlens={"b": -0.01})).notes
+
+
+def test_one_bad_file_of_a_folder_is_left_aside(xml: str, tmp_path: Path) -> None:
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    (folder / "a.xml").write_text(XML)
+    (folder / "b.xml").write_text("<lensdatabase>")
+    (folder / "c.xml").write_text('<lensdatabase version="1"><monster/></lensdatabase>')
+    found = find_correction(facts(), LensRequest(source=str(folder)))
+    assert "Zoom 10-20mm" in found.description
+    aside = [note for note in found.notes if "left aside" in note]
+    assert [name for name in "abc" if any(f"{name}.xml" in note for note in aside)] == ["b", "c"]
+    (folder / "a.xml").unlink()
+    with pytest.raises(ReadError, match="the XML is damaged"):
+        find_correction(facts(), LensRequest(source=str(folder)))
+
+
+def test_acm_in_a_file_that_does_not_say_version_2(tmp_path: Path) -> None:
+    path = tmp_path / "acm.xml"
+    head = LensfunLens("Maker", "Wide", "Test mount", 1.5, 4 / 3)
+    content = lensfun_xml(head, [Distortion("acm", 12.0, dict.fromkeys(ACM, 0.01))]).decode()
+    assert 'version="2"' in content
+    path.write_text(content.replace('version="2"', 'version="1"'))
+    shot = facts(camera="No such camera", maker="No", model="such camera")
+    assert "acm k1 = 0.01" in find_correction(shot, LensRequest(source=str(path))).description
+
+
+def test_similar_cameras_are_named_once(tmp_path: Path) -> None:
+    path = tmp_path / "profile.txt"
+    camera = "begin camera\nmenu_make: M\nmenu_model: One\nexif_make: M\nexif_model: {}\n"
+    camera += "group: g\nmultiplier: 1\nend\n"
+    lens = "begin lens\nmenu_lens: L\ngroup: g\nmultiplier: 1\ncal_abc: 9 0 0 0\nend\n"
+    path.write_text(camera.format("1a") + camera.format("1b") + lens)
+    with pytest.raises(OptionError, match=r"\(it has: M One\)"):
+        find_correction(facts(), LensRequest(source=str(path)))

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from plumbline.errors import OptionError, WriteError
+from plumbline.errors import OptionError, UnsettledError, WriteError
 from plumbline.facts import LensFacts
 from plumbline.frame import Array, Frame
+from plumbline.imaging.correct import correction_for
 from plumbline.lens import Lens
 from plumbline.lenses import store
 from plumbline.lenses.exif import PhotoFacts
+from plumbline.lenses.export_files import export_file
 from plumbline.lenses.lookup import find_correction
 from plumbline.lenses.request import LensRequest
+from plumbline.lenses.zoom_files import read_zoom_lens
 from plumbline.models import get_model
 from plumbline.result_json import to_json
 from tests.lenses.made import calibration, saved
@@ -74,10 +78,12 @@ class TestResult:
 
     def test_another_focal_length_is_refused_or_warned_of(self, tmp_path: Path) -> None:
         source = saved(tmp_path / "r.json", calibration(b=-0.02))
-        with pytest.raises(OptionError, match="more than 10 % out of the calibrated range"):
+        with pytest.raises(
+            OptionError, match=r"at 10 mm, more than 10 % away from the 8\.2 mm that "
+        ):
             find_correction(shot(focal_mm=10.0), LensRequest(source=source))
         notes = find_correction(shot(focal_mm=8.5), LensRequest(source=source)).notes
-        assert any("corrected as at 8.2 mm" in note for note in notes)
+        assert any("the lens is calibrated at 8.2 mm: corrected as there" in note for note in notes)
         notes = find_correction(shot(focal_mm=None), LensRequest(source=source)).notes
         assert any("focal length is not known" in note for note in notes)
         assert not find_correction(shot(), LensRequest(source=source)).notes
@@ -284,9 +290,7 @@ class TestPTLens:
     def test_out_of_range(self, profile: str) -> None:
         notes = find_correction(shot(focal_mm=10.9), LensRequest(source=profile)).notes
         assert any("corrected as at 10.1 mm" in note for note in notes)
-        with pytest.raises(
-            OptionError, match=r"no matching lens of .* is calibrated for distortion at 12 mm"
-        ):
+        with pytest.raises(OptionError, match=r"out of the calibrated range of Standard"):
             find_correction(shot(focal_mm=12.0), LensRequest(source=profile))
 
     def test_unknown_camera(self, profile: str) -> None:
@@ -309,7 +313,7 @@ def test_hugin_lens_file(tmp_path: Path) -> None:
     found = find_correction(shot(), LensRequest(source=str(path)))
     expected = ptlens(SIZE, a=0.01, b=-0.05, c=0.02, d=3.0, e=-2.0)
     same(found.distort(POINTS), expected.distort(POINTS))
-    with pytest.raises(OptionError, match=r"calibrated range of .*lens.ini, 8\.2 mm"):
+    with pytest.raises(OptionError, match=r"from the 8\.2 mm that .*lens.ini is calibrated at"):
         find_correction(shot(focal_mm=20.0), LensRequest(source=str(path)))
 
 
@@ -366,3 +370,27 @@ class TestStore:
     def test_another_lens_of_the_camera_is_not_meant(self, tmp_path: Path) -> None:
         store.add(saved(tmp_path / "r.json", calibration(b=-0.123, lens="Tele")))
         assert "LensFun" in find_correction(shot(lens="Wide"), LensRequest()).description
+
+
+def test_a_fit_without_a_result_is_used_nowhere(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
+    made = replace(calibration(b=-0.02), converged=False, reason="no minimum in 100 steps")
+    path = saved(tmp_path / "r.json", made)
+    sentence = "there is no result: no minimum in 100 steps"
+    for use in (
+        lambda: find_correction(shot(), LensRequest(source=path)),
+        lambda: store.add(path),
+        lambda: export_file(path, "pto", None, None, {}),
+        lambda: export_file(path, "json", None, None, {}),
+        lambda: read_zoom_lens([path], "linear", 1, {}),
+        lambda: correction_for(shot(), made),
+    ):
+        with pytest.raises(UnsettledError, match=sentence):
+            use()
+    store.folder().mkdir(parents=True)
+    (store.folder() / "old.json").write_bytes(Path(path).read_bytes())
+    found = find_correction(shot(), LensRequest())
+    assert "LensFun" in found.description
+    assert any(sentence in note for note in found.notes)

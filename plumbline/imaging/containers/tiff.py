@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 from plumbline.imaging.containers.metadata import Metadata
 
+MAKER_NOTES = 0x927C
 SOFTWARE, NEXT_IMAGE_OFFSET, NEXT_IMAGE_BYTES = 0x0131, 0x0201, 0x0202
 COMPRESSION, EXTRA_SAMPLES = 259, 338
 _XMP, _ICC, _X_DPI, _Y_DPI, _UNIT, _INCH = 700, 34675, 282, 283, 296, 2
@@ -96,8 +97,12 @@ def read_directory(block: bytes, at: int, deep: int = 0) -> tuple[list[Field], i
 
 
 def directory_bytes(fields: Iterable[Field], at: int, order: str, following: int = 0) -> bytes:
-    """A directory for the offset `at`, its values and sub-directories behind it."""
-    ordered = sorted(fields, key=lambda field: field.tag)
+    """A directory for the offset `at`, its values and sub-directories behind it.
+
+    Sub-directories that hold nothing are left out.
+    """
+    held = (field for field in fields if field.children or field.tag not in _SUB_DIRECTORIES)
+    ordered = sorted(held, key=lambda field: field.tag)
     end = at + 2 + 12 * len(ordered) + 4
     table, heap = struct.pack(order + "H", len(ordered)), b""
     for field in ordered:
@@ -161,9 +166,23 @@ def with_metadata(data: bytes, metadata: Metadata, note: str, *, alpha: bool) ->
 
 
 def _described(block: bytes) -> list[Field]:
-    """The first directory's fields but for those that describe the stored pixels."""
+    """The first directory's fields but for those that describe the stored pixels.
+
+    Maker notes are left out too: they refer to places in the block, and would be garbage at
+    others.
+    """
     fields, _ = read_directory(block, first_directory(block))
-    return [field for field in fields if field.tag not in _LAYOUT]
+    return [
+        replace(field, children=tuple(c for c in field.children if c.tag != MAKER_NOTES))
+        for field in fields
+        if field.tag not in _LAYOUT
+    ]
+
+
+def has_maker_notes(block: bytes) -> bool:
+    """Whether a TIFF file or an EXIF block holds maker notes, which no other TIFF can take."""
+    fields, _ = read_directory(block, first_directory(block))
+    return any(child.tag == MAKER_NOTES for field in fields for child in field.children)
 
 
 def _in_order(fields: Iterable[Field], order: str, wanted: str) -> list[Field]:
