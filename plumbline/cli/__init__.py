@@ -21,6 +21,7 @@ VERBS = {
     "zoom": "Join calibrations at several focal lengths into one lens.",
     "export": "Write a calibrated lens for another program.",
     "models": "List the distortion models.",
+    "cache": "Show or clear the cache of compiled programs.",
 }
 
 _EXAMPLES = """\b

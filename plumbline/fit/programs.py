@@ -14,7 +14,8 @@ import contextlib
 import hashlib
 import math
 import os
-from collections.abc import Callable
+import warnings
+from collections.abc import Callable, Sequence
 from functools import cache, partial
 from importlib.metadata import version
 from pathlib import Path
@@ -32,6 +33,10 @@ from plumbline.fit.task import EMPTY_TASK, Residuals, Solution, Task
 from plumbline.models.base import Model
 
 _DISTRIBUTIONS = ("jax", "jaxlib", "optimistix", "equinox", "lineax")
+PATTERNS = ("*.program", "jit_*-cache", "jit_*-atime")
+"""What the files of the cache are called: traced programs, and what JAX keeps."""
+
+_BROKEN = "persistent compilation cache"
 _DIGEST_BYTES = 32
 _FEW_POINTS = 8192
 _QUICK: dict[str, str | bool] = {"xla_backend_optimization_level": "0"}
@@ -76,7 +81,40 @@ def _program(model: Model, shapes: Shapes, batch: int | None) -> Callable[[Task]
             _save(folder / name, exported)
     lowered = jax.jit(exported.call).lower(_task_of(shapes))
     points = math.prod(shapes[1][0])  # the weights of the block
-    return lowered.compile(_QUICK if batch is None and points <= _FEW_POINTS else None)
+    return _compiled(lowered, _QUICK if batch is None and points <= _FEW_POINTS else None, folder)
+
+
+def _compiled(lowered: Any, options: dict[str, str | bool] | None, folder: Path | None) -> Any:
+    """Compile, or take what JAX kept; broken entries are thrown away instead of complained of."""
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        made = lowered.compile(options)
+    broken = [each for each in told if _BROKEN in str(each.message)]
+    if broken and folder is not None:
+        clear(folder, PATTERNS[1:])
+    for each in told:
+        if each not in broken:
+            warnings.warn_explicit(each.message, each.category, each.filename, each.lineno)
+    return made
+
+
+def kept(folder: Path, patterns: Sequence[str] = PATTERNS) -> list[Path]:
+    """The files that plumbline and JAX keep in a cache folder."""
+    return sorted(path for pattern in patterns for path in folder.glob(pattern) if path.is_file())
+
+
+def clear(folder: Path, patterns: Sequence[str] = PATTERNS) -> int:
+    """Throw kept programs away.
+
+    Returns:
+        How many files went.
+    """
+    gone = 0
+    for path in kept(folder, patterns):
+        with contextlib.suppress(OSError):
+            path.unlink()
+            gone += 1
+    return gone
 
 
 def _task_of(shapes: Shapes) -> Task:

@@ -80,12 +80,14 @@ def _grouped(
     stops = np.append(starts[1:], len(images))
     lines: list[Line] = []
     for start, stop in zip(starts.tolist(), stops.tolist(), strict=True):
-        points = np.concatenate((ends[start:stop, :2], ends[start:stop, 2:]))
+        points, others = ends[start:stop, :2], ends[start:stop, 2:]
+        if not np.array_equal(points, others[::-1]):  # else the pairs are the line and its reverse
+            points = np.concatenate((points, others))
         first = first_of_each(points)
         with np.errstate(all="ignore"):  # absurd numbers are refused later, by name
             along, _ = along_and_across(points[first])
         first = first[np.argsort(along, kind="stable")]
-        line_rows = np.tile(rows[start:stop], 2)[first]
+        line_rows = np.resize(rows[start:stop], len(points))[first]
         lines.append(Line(points[first], int(images[start]), f"t{kinds[start]}", line_rows))
     return tuple(lines)
 

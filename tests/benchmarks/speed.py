@@ -256,11 +256,10 @@ def batch_row(scratch: Path) -> list[Row]:
 def reading_row(scratch: Path) -> list[Row]:
     """A project of 10⁶ control points against reading its bytes and splitting its lines."""
     head = f'i w{SIZE[0]} h{SIZE[1]} f0 v50 a0 b0 c0 d0 e0 n"x.jpg"\n'
-    points = np.concatenate(picks(2000, 500)).round(6).tolist()
-    rows = [
-        f"c n0 N0 x{x} y{y} X{points[-1 - i][0]} Y{points[-1 - i][1]} t{3 + i // 500}\n"
-        for i, (x, y) in enumerate(points)
-    ]
+    rows: list[str] = []
+    for number, line in enumerate(picks(2000, 500)):
+        pairs = zip(line.round(6).tolist(), line[::-1].round(6).tolist(), strict=True)
+        rows += [f"c n0 N0 x{x} y{y} X{u} Y{v} t{3 + number}\n" for (x, y), (u, v) in pairs]
     path = scratch / "million.pto"
     path.write_text("# hugin project file\n" + head + "".join(rows))
     floor = median(lambda: timed(lambda: path.read_bytes().decode().split("\n")), 5)
