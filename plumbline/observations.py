@@ -20,7 +20,7 @@ from plumbline.wording import count, listed
 __all__ = ["MAX_SIDE", "Line", "Observations", "Origin", "Photo"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Observations:
     """Photos, lenses and lines, checked as far as one file can be.
 

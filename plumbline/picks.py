@@ -78,7 +78,7 @@ class Photo:
         return replace(self, size=plain, pixel_aspect=float(self.pixel_aspect))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Line:
     """Points picked along one straight edge, in the order along it.
 

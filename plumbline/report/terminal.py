@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from math import floor, isfinite, log10
 from pathlib import Path
 
@@ -13,7 +13,7 @@ from rich.table import Table
 
 from plumbline.calibration import Calibration
 from plumbline.errors import printable
-from plumbline.models import CENTRE, Model
+from plumbline.models import CENTRE
 from plumbline.wording import count
 
 _MOST_LINES = 24
@@ -149,20 +149,6 @@ def lines_table(made: Calibration, *, everything: bool = False) -> Table:
             names.append(_plain(photo.source or photo.name or str(photo.number)))
         numbers = (line.rms_before_px, line.rms_after_px, line.largest_after_px)
         table.add_row(*names, str(line.n_points), *(f"{number:.2f} px" for number in numbers))
-    return table
-
-
-def models_table(models: Iterable[Model]) -> Table:
-    """The distortion models, for `plumbline models`."""
-    table = Table(box=box.SIMPLE, pad_edge=False, show_lines=True)
-    for heading in ("model", "coefficients", "equation", "polynomial runs", "used by"):
-        table.add_column(heading)
-    for model in models:
-        names = " ".join(model.coefficients)
-        if model.name == "radial":
-            names = "one a power: " + names
-        formula = f"{model.formula}, r in units of {model.unit}; f({model.gauge}) = 1"
-        table.add_row(escape(model.label), names, formula, model.direction, model.use)
     return table
 
 
