@@ -42,7 +42,9 @@ def finish(problem: Problem, solution: Solution) -> Calibration:
     corrected = packed.unpack(at.corrected)
     fitted = packed.unpack(at.image) if problem.residual == "image" else corrected
     sigma_px = float(np.sqrt(fitted @ fitted / problem.dof))
-    refuse_bent(sigma_px, lens.frame.radius_px)
+    residuals_px = tuple(np.split(fitted, np.cumsum(packed.sizes)[:-1]))
+    labels = [line.label for line in problem.observations.lines]
+    refuse_bent(sigma_px, lens.frame.radius_px, labels, residuals_px)
     free = problem.task.free
     unit = unit_covariance(solution.normal[np.ix_(free, free)])
     unit = unit * np.outer(to_px[free], to_px[free])
@@ -57,7 +59,7 @@ def finish(problem: Problem, solution: Solution) -> Calibration:
         covariance=sigma_px**2 * unit,
         sigma_px=sigma_px,
         dof=problem.dof,
-        residuals_px=tuple(np.split(fitted, np.cumsum(packed.sizes)[:-1])),
+        residuals_px=residuals_px,
         rms_corrected_px=float(np.sqrt(corrected @ corrected / len(corrected))),
         converged=converged,
         reason="the fit ended in a minimum"

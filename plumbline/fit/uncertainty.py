@@ -7,6 +7,8 @@ covariance is σ̂² (JᵀJ)⁻¹ with J the derivative of the residuals by the 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -173,16 +175,20 @@ def refuse_unobservable(lens: Lens, free: tuple[str, ...], unit: Array, sigma_px
         )
 
 
-def refuse_bent(sigma_px: float, radius_px: float) -> None:
+def refuse_bent(
+    sigma_px: float, radius_px: float, labels: Sequence[str], residuals_px: Sequence[Array]
+) -> None:
     """Stop where the picks lie on no straight lines whatever the distortion.
 
     Raises:
-        DegenerateLinesError: σ̂ exceeds a thirtieth of R.
+        DegenerateLinesError: σ̂ exceeds a thirtieth of R; the sentence names the worst line.
     """
     if sigma_px > _BENT * radius_px:
+        spread = [float(np.sqrt(np.mean(values**2))) for values in residuals_px]
+        worst = int(np.argmax(spread))
         raise DegenerateLinesError(
             f"the picks lie on no straight lines: even after the fit they stray by {sigma_px:,.0f} "
-            "px",
+            f"px, those of line {labels[worst]} by {spread[worst]:,.0f} px",
             hint="check that every pick is on its line, and that the photo's size (and --grid) is "
             "right",
         )
