@@ -13,6 +13,7 @@ from plumbline.facts import LensFacts, best_crop_factor
 from plumbline.files import MARK
 from plumbline.formats.lensfun import MODELS, Distortion, LensfunLens, lensfun_xml
 from plumbline.frame import Frame
+from plumbline.wording import count
 
 _SAME_SHAPE = 0.02
 
@@ -161,9 +162,11 @@ def label_notes(calibrations: Sequence[Calibration]) -> list[str]:
 def _comment(calibrations: Sequence[Calibration]) -> str:
     parts = [f"{MARK} {__version__}"]
     for made in calibrations:
+        n_points, n_lines = made.observations.n_points, len(made.observations.lines)
         parts.append(
-            f"{made.observations.n_points} points on {len(made.observations.lines)} lines, "
-            f"rms {made.rms_before_px:.3f} px before, {made.rms_after_px:.3f} px after"
+            f"at {_entry(made).focal_mm:g} mm {count(n_points, 'point')} on "
+            f"{count(n_lines, 'line')}, rms {made.rms_before_px:.3f} px before, "
+            f"{made.rms_after_px:.3f} px after"
         )
     labels = [_FLAGS.sub("", note) for note in label_notes(calibrations)]
     return "; ".join([*parts, *labels])

@@ -101,7 +101,7 @@ def coefficients_table(made: Calibration) -> Table:
     """Coefficients with their standard errors and start values."""
     table = Table(box=box.SIMPLE, pad_edge=False)
     table.add_column(f"{made.model}", style="bold")
-    for title in ("value", "± std. error", "", "start"):
+    for title in ("value", "± std. error", "percent", "start"):
         table.add_column(title, justify="right")
     errors = made.standard_errors
     for name, value in made.coefficients.items():
