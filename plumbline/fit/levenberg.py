@@ -15,8 +15,6 @@ import jax
 import jax.numpy as jnp
 import optimistix as optx
 
-FunctionInfo = optx.FunctionInfo
-
 _FIRST_STEP_SIZE = 1e8
 _UNJUDGEABLE = 1e-12
 

@@ -1,9 +1,9 @@
 """A start vector close enough for the solver, from nothing but the picks.
 
 Plain Levenberg–Marquardt from zero ends in wrong minima for strong barrel distortion. The
-division model with one coefficient cannot fold and undistorts in closed form, so its single
-coefficient is found by looking at the whole range of it; its curve is then written in the
-wanted model's coefficients by linear least squares on the radius.
+division model with one coefficient undistorts in closed form and does not fold over the picks
+between −1 and 1, so its single coefficient is found by looking at that whole range; its curve is
+then written in the wanted model's coefficients by linear least squares on the radius.
 """
 
 from __future__ import annotations
