@@ -8,15 +8,23 @@ from functools import cached_property
 from typing import Literal, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from plumbline.displacement import displacement_errors, grid_px
+from plumbline._version import __version__
+from plumbline.checks import Check, before_fit
+from plumbline.displacement import Displacement, displacement_errors, grid_px
 from plumbline.errors import UnsettledError
 from plumbline.finding import Finding, find
 from plumbline.frame import Array
 from plumbline.lens import Lens
-from plumbline.notes import after_fit
+from plumbline.linearised import Linearised, linearise
+from plumbline.notes import notes_on
 from plumbline.observations import Observations
 from plumbline.straightness import straightness_before
+from plumbline.student import quantile
+from plumbline.suspect import Suspect
+from plumbline.trust import QUOTED, Jackknife, ModelError, jackknife, model_error
+from plumbline.trust_checks import after_fit
 
 ResidualKind = Literal["image", "corrected"]
 
@@ -27,7 +35,7 @@ class LineStraightness(NamedTuple):
     Attributes:
         label: The line's name.
         photo: Index of its photo.
-        n_points: Number of its points.
+        n_points: Number of its points that were fitted.
         rms_before_px: Root mean square distance of the observed points from a line.
         rms_after_px: The same of the fit's residuals.
         largest_after_px: The largest residual, without its sign.
@@ -55,11 +63,17 @@ class Calibration:
         covariance: Of the free coefficients in the order of `free`; `d`, `e` in pixels.
         sigma_px: Estimated standard deviation of one pick across its line, σ̂.
         dof: Degrees of freedom: points − 2 · lines − free coefficients.
-        residuals_px: Signed residuals, one array for each line.
+        residuals_px: Signed residuals, one array for each line; those of picks left out are their
+            distances from the line through the others.
         rms_corrected_px: Root mean square distance in the corrected photo, as Hugin has it.
         converged: Whether the fit ended in a minimum.
         reason: Why it ended, in a sentence.
         remarks: What was decided for the user before the fit, in plain sentences.
+        kept: Which picks of each line were fitted; all, but for a robust fit.
+        suspects: Picks that a robust fit finds wrong; a plain fit names them and uses them.
+        robust: Whether suspicious picks were left out.
+        command: The command line that made it; empty in Python.
+        version: The version of plumbline that made it.
     """
 
     observations: Observations
@@ -75,6 +89,16 @@ class Calibration:
     converged: bool
     reason: str
     remarks: tuple[str, ...] = ()
+    kept: tuple[NDArray[np.bool_], ...] = ()
+    suspects: tuple[Suspect, ...] = ()
+    robust: bool = False
+    command: str = ""
+    version: str = __version__
+
+    def __post_init__(self) -> None:
+        if len(self.kept) != len(self.residuals_px):
+            every = tuple(np.ones(len(values), dtype=np.bool_) for values in self.residuals_px)
+            object.__setattr__(self, "kept", every)
 
     @property
     def model(self) -> str:
@@ -100,12 +124,27 @@ class Calibration:
     @cached_property
     def notes(self) -> tuple[str, ...]:
         """What the user should know, in plain sentences."""
-        return (*self.observations.notes, *self.remarks, *after_fit(self))
+        return (*self.observations.notes, *self.remarks, *notes_on(self))
+
+    @property
+    def intervals(self) -> dict[str, tuple[float, float]]:
+        """95 % intervals of the free coefficients (Student's t)."""
+        reach = quantile(0.975, self.dof)
+        return {
+            name: (self.coefficients[name] - reach * error, self.coefficients[name] + reach * error)
+            for name, error in self.standard_errors.items()
+        }
+
+    @cached_property
+    def checks(self) -> tuple[Check, ...]:
+        """Whether the lines are well placed and the result is to be trusted."""
+        radial = [name for name in self.free if name in self.lens.model.radial]
+        return (*before_fit(self.observations, len(self.free), len(radial)), *after_fit(self))
 
     @cached_property
     def before_px(self) -> tuple[Array, ...]:
         """Signed distances of every line's observed points from a straight line."""
-        return straightness_before(self.observations)
+        return straightness_before(self.observations, self.kept)
 
     @cached_property
     def correlation(self) -> Array:
@@ -117,22 +156,22 @@ class Calibration:
     @property
     def rms_before_px(self) -> float:
         """Root mean square distance of the observed points from straight lines."""
-        return rms(self.before_px)
+        return rms(self._fitted(self.before_px))
 
     @property
     def rms_after_px(self) -> float:
         """Root mean square residual."""
-        return rms(self.residuals_px)
+        return rms(self._fitted(self.residuals_px))
 
     @property
     def largest_before_px(self) -> float:
         """Largest distance of an observed point from its straight line."""
-        return largest(self.before_px)
+        return largest(self._fitted(self.before_px))
 
     @property
     def largest_after_px(self) -> float:
         """Largest residual, without its sign."""
-        return largest(self.residuals_px)
+        return largest(self._fitted(self.residuals_px))
 
     @cached_property
     def finding(self) -> Finding:
@@ -140,30 +179,80 @@ class Calibration:
         return find(self.lens)
 
     @cached_property
-    def corner_error_px(self) -> float | None:
-        """Standard error of the correction at the photo's worst corner.
+    def linearised(self) -> Linearised:
+        """Residuals and their derivatives, from which all that follows is computed."""
+        frame = self.lens.frame
+        frames = [photo.frame for photo in self.observations.photos]
+        return linearise(
+            self.lens,
+            # An upright photo among sideways ones is measured from its own centre.
+            [
+                frame.to_pixels(frames[line.photo].normalise(line.points_px, 1.0), 1.0)
+                for line in self.observations.lines
+            ],
+            self.free,
+            np.concatenate(self.kept),
+            image=self.residual == "image",
+            richer=self.lens.model.richer(self.free),
+        )
+
+    @cached_property
+    def jackknife(self) -> Jackknife | None:
+        """How much the result depends on each line; None where it needs one of them."""
+        return jackknife(self.linearised)
+
+    @cached_property
+    def model_error(self) -> ModelError | None:
+        """How far a richer model would move the correction."""
+        return model_error(self.lens, self.free, self.linearised, self.sigma_px)
+
+    @cached_property
+    def displacement(self) -> Displacement | None:
+        """Standard errors of the correction over the photo, for independent picking errors.
 
         After the best common scale and translation, see `plumbline.displacement`; None where the
-        model folds before the corner.
+        model folds inside the photo.
         """
-        points = grid_px(self.lens)
-        errors = displacement_errors(self.lens, self.free, self.covariance, points)
-        if errors is None:
-            return None
-        corners = [0, int(np.sqrt(len(points))) - 1]
-        return float(np.max(errors[[*corners, *(len(points) - 1 - i for i in corners)]]))
+        return self._displacement(self.covariance)
+
+    @cached_property
+    def jackknife_displacement(self) -> Displacement | None:
+        """The same from the jackknife."""
+        return None if self.jackknife is None else self._displacement(self.jackknife.covariance)
+
+    @property
+    def quotes_jackknife(self) -> bool:
+        """Whether the jackknife's error is the one to quote: it is 1.5 times larger or more."""
+        if self.displacement is None or self.jackknife_displacement is None:
+            return False
+        return self.jackknife_displacement.worst_px > QUOTED * self.displacement.worst_px
+
+    @property
+    def quoted_displacement(self) -> Displacement | None:
+        """Standard errors of the correction to quote."""
+        return self.jackknife_displacement if self.quotes_jackknife else self.displacement
+
+    def _displacement(self, covariance: Array) -> Displacement | None:
+        points_px = grid_px(self.lens)
+        errors_px = displacement_errors(self.lens, self.free, covariance, points_px)
+        return None if errors_px is None else Displacement(points_px, errors_px)
 
     @property
     def lines(self) -> tuple[LineStraightness, ...]:
-        """Straightness of every line."""
-        return tuple(
-            LineStraightness(
-                line.label, line.photo, len(after), rms([before]), rms([after]), largest([after])
-            )
-            for line, before, after in zip(
-                self.observations.lines, self.before_px, self.residuals_px, strict=True
-            )
-        )
+        """Straightness of every line; one that was left out as a whole is measured nevertheless."""
+        measured: list[LineStraightness] = []
+        for line, before, after, kept in zip(
+            self.observations.lines, self.before_px, self.residuals_px, self.kept, strict=True
+        ):
+            which = kept if kept.any() else ~kept
+            numbers = (rms([before[which]]), rms([after[which]]), largest([after[which]]))
+            count = int(np.count_nonzero(kept))
+            measured.append(LineStraightness(line.label, line.photo, count, *numbers))
+        return tuple(measured)
+
+    def _fitted(self, values: Sequence[Array]) -> list[Array]:
+        """The values of the picks that were fitted."""
+        return [each[kept] for each, kept in zip(values, self.kept, strict=True) if kept.any()]
 
 
 def refuse_unsettled(calibrations: Sequence[Calibration]) -> None:

@@ -9,16 +9,40 @@ model; bent edges, wrong picks and the model's own error are not in it.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from plumbline.errors import FoldedError
 from plumbline.frame import Array
+from plumbline.ideal import by_coefficients, by_powers, undistorted
 from plumbline.lens import Lens
 
-_STEP = 1e-6
+_GRID = 9
+
+
+@dataclass(frozen=True, eq=False)
+class Displacement:
+    """Standard error of the correction over the photo.
+
+    Attributes:
+        points_px: Observed points over the photo, shape (n, 2).
+        errors_px: One standard error at each, shape (n,).
+    """
+
+    points_px: Array
+    errors_px: NDArray[np.float64]
+
+    @property
+    def worst_px(self) -> float:
+        """The largest standard error."""
+        return float(np.max(self.errors_px))
+
+    @property
+    def worst_at(self) -> tuple[float, float]:
+        """Where it is largest, in pixels of the photo."""
+        x, y = self.points_px[int(np.argmax(self.errors_px))]
+        return float(x), float(y)
 
 
 def displacement_errors(
@@ -30,43 +54,67 @@ def displacement_errors(
         lens: The fitted lens.
         free: Names of the free coefficients.
         covariance: Their covariance, `d` and `e` in pixels.
-        points_px: Observed points all over the photo, shape (n, 2).
+        points_px: Observed points, shape (n, 2).
 
     Returns:
-        Shape (n,), pixels; None where the model folds before it reaches a point.
+        Shape (n,), pixels; None where the model folds before it reaches a point of the photo.
     """
-    try:
-        columns = [_derivative(lens, name, points_px) for name in free]
-    except FoldedError:
+    moved = motions(lens, free, points_px)
+    if moved is None:
         return None
-    derivative = np.stack(columns, axis=-1).reshape(-1, len(free))
-    unseen = _unseen(lens, free, points_px)
-    derivative = derivative - unseen @ np.linalg.lstsq(unseen, derivative, rcond=None)[0]
-    variance = np.einsum("ni,ij,nj->n", derivative, covariance, derivative)
-    return np.sqrt(np.maximum(variance, 0.0).reshape(-1, 2).sum(axis=1))
+    variance = np.einsum("nik,kl,nil->n", moved, covariance, moved)
+    return np.sqrt(np.maximum(variance, 0.0))
 
 
-def grid_px(lens: Lens, n: int = 9) -> Array:
+def motions(
+    lens: Lens, free: tuple[str, ...], points_px: Array, powers: tuple[int, ...] = ()
+) -> Array | None:
+    """How ideal points move with each coefficient, as far as straight lines can tell.
+
+    Args:
+        lens: The lens.
+        free: Coefficients, one column each.
+        points_px: Observed points, shape (n, 2).
+        powers: Powers of r that a richer model adds, one column each, after the others.
+
+    Returns:
+        Shape (n, 2, k), square pixels of the corrected photo for one unit of each; None where the
+        model folds before it reaches a point of the photo.
+    """
+    grid = grid_px(lens)
+    every = np.concatenate((grid, points_px))
+    ideal = undistorted(lens, every)
+    if not np.all(np.isfinite(ideal.uv)):
+        return None
+    columns = by_coefficients(lens, free, every, ideal)
+    if powers:
+        columns = np.concatenate((columns, by_powers(lens, powers, every, ideal)), axis=2)
+    unseen = _unseen(
+        ideal.uv / lens.frame.radius_px, perspective=bool(set(lens.model.tangential) & set(free))
+    )
+    n = len(grid)
+    on_grid = unseen[:n].reshape(2 * n, -1)
+    taken = np.linalg.lstsq(on_grid, columns[:n].reshape(2 * n, -1), rcond=None)[0]
+    return columns[n:] - unseen[n:] @ taken
+
+
+def grid_px(lens: Lens, n: int = _GRID) -> Array:
     """A grid of n × n points over the photo, its corners included, shape (n², 2)."""
     width, height = lens.frame.size
     x, y = np.meshgrid(np.linspace(0, width - 1, n), np.linspace(0, height - 1, n))
     return np.stack((x.ravel(), y.ravel()), axis=1)
 
 
-def _derivative(lens: Lens, name: str, points_px: Array) -> Array:
-    step = _STEP * (lens.unit_px if name in ("d", "e") else 1.0)
-    ends = [
-        replace(lens, coefficients=dict(lens.coefficients) | {name: value}).undistort(points_px)
-        for value in (lens.coefficients[name] + step, lens.coefficients[name] - step)
-    ]
-    return (ends[0] - ends[1]) / (2 * step)
+def corners(n: int = _GRID) -> list[int]:
+    """Where the corners stand in `grid_px`."""
+    return [0, n - 1, n * n - n, n * n - 1]
 
 
-def _unseen(lens: Lens, free: tuple[str, ...], points_px: Array) -> Array:
-    """Motions of the corrected photo that keep lines straight, shape (2n, motions)."""
-    x, y = lens.frame.normalise(lens.undistort(points_px)).T
+def _unseen(uv: Array, *, perspective: bool) -> Array:
+    """Motions of the corrected photo that keep lines straight, shape (n, 2, motions)."""
+    x, y = uv.T
     one, none = np.ones_like(x), np.zeros_like(x)
-    motions = [(one, none), (none, one), (x, y)]
-    if set(lens.model.tangential) & set(free):
-        motions += [(y, none), (none, x), (x, none), (x * x, x * y), (x * y, y * y)]
-    return np.stack([np.stack(motion, axis=-1).ravel() for motion in motions], axis=-1)
+    moved = [(one, none), (none, one), (x, y)]
+    if perspective:
+        moved += [(y, none), (none, x), (x, none), (x * x, x * y), (x * y, y * y)]
+    return np.stack([np.stack(motion, axis=-1) for motion in moved], axis=-1)

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from plumbline.errors import FoldedError, OptionError
 from plumbline.frame import Array, Frame
@@ -85,10 +85,16 @@ class Lens:
         Raises:
             FoldedError: the polynomial folds before it reaches a point.
         """
+        ideal_px = self.undistort_or_nan(points_px)
+        self._refuse_folded(ideal_px, points_px)
+        return ideal_px
+
+    def undistort_or_nan(self, points_px: ArrayLike) -> Array:
+        """As `undistort`, but points beyond the fold become NaN."""
         points = self.frame.normalise(points_px, self.unit_px) - self._offset
-        if self.model.direction == "observed to ideal":
-            return self.frame.to_pixels(self._apply(points), self.unit_px)
-        return self.frame.to_pixels(self._invert(points), self.unit_px)
+        forward = self.model.direction == "observed to ideal"
+        ideal = self._apply(points) if forward else self._invert(points)
+        return self.frame.to_pixels(ideal, self.unit_px)
 
     def distort(self, points_px: ArrayLike) -> Array:
         """Map ideal points to observed ones.
@@ -103,9 +109,11 @@ class Lens:
             FoldedError: the polynomial folds before it reaches a point.
         """
         points = self.frame.normalise(points_px, self.unit_px)
-        if self.model.direction == "ideal to observed":
-            return self.frame.to_pixels(self._apply(points) + self._offset, self.unit_px)
-        return self.frame.to_pixels(self._invert(points) + self._offset, self.unit_px)
+        forward = self.model.direction == "ideal to observed"
+        observed = self._apply(points) if forward else self._invert(points)
+        observed_px = self.frame.to_pixels(observed + self._offset, self.unit_px)
+        self._refuse_folded(observed_px, points_px)
+        return observed_px
 
     def fold_radius_px(self) -> float | None:
         """Observed radius in square pixels at which the model folds, if inside the photo.
@@ -133,17 +141,18 @@ class Lens:
 
     def _apply(self, points: Array) -> Array:
         x, y = points[..., 0], points[..., 1]
+        mapped = np.stack(self.model.apply(x, y, self.vector), axis=-1)
         fold = first_fold(self.model, self.vector, self._reach)
         if fold is not None:
-            self._refuse_folded(np.hypot(x, y) > fold)
-        return np.stack(self.model.apply(x, y, self.vector), axis=-1)
+            mapped[np.hypot(x, y) > fold] = np.nan
+        return mapped
 
     def _invert(self, points: Array) -> Array:
-        solved = invert(self.model, self.vector, points, self._reach)
-        self._refuse_folded(np.isnan(solved[..., 0]) & ~np.isnan(points[..., 0] + points[..., 1]))
-        return solved
+        return invert(self.model, self.vector, points, self._reach)
 
-    def _refuse_folded(self, lost: NDArray[np.bool_]) -> None:
+    def _refuse_folded(self, mapped: Array, points: ArrayLike) -> None:
+        given = np.isnan(np.asarray(points, dtype=np.float64)).any(axis=-1)
+        lost = np.isnan(mapped).any(axis=-1) & ~given
         if np.any(lost):
             raise FoldedError(
                 f"the {self.model.label} polynomial folds before it reaches "

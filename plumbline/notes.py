@@ -6,34 +6,29 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plumbline.models import CENTRE
-
 if TYPE_CHECKING:
     from plumbline.calibration import Calibration
 
-_CORRELATED = 0.98
+_CORRELATED = 0.9
 _OUTSTANDING = 5.0
 _CARELESS_PX = 3.0
-_FEW_DOF = 6
 
 
-def after_fit(made: Calibration) -> tuple[str, ...]:
-    """Notes on a finished fit."""
-    return tuple(
+def notes_on(made: Calibration) -> tuple[str, ...]:
+    """Notes on a finished fit, its failed checks among them."""
+    own = tuple(
         note
         for note in (
             _unsettled(made),
             _folding(made),
             _outstanding(made),
-            _few_lines(made),
-            _few_points(made),
-            _corner(made),
             _corrected(made),
             _uninformative(made),
             _correlated(made),
         )
         if note
     )
+    return (*own, *(check.sentence for check in made.checks if not check.passed))
 
 
 def _unsettled(made: Calibration) -> str:
@@ -65,34 +60,6 @@ def _outstanding(made: Calibration) -> str:
             "is on its line, that the edges are straight, and that the photo's size is right"
         )
     return ""
-
-
-def _few_lines(made: Calibration) -> str:
-    radial = [n for n in made.free if n not in (*CENTRE, *made.lens.model.tangential)]
-    n_lines = len(made.observations.lines)
-    if n_lines > 1 or len(radial) < 2:
-        return ""
-    return (
-        f"one line alone hardly tells {', '.join(radial)} apart: pick at least two, one near the "
-        "edge and one a third of the way out from the centre"
-    )
-
-
-def _few_points(made: Calibration) -> str:
-    if made.dof >= _FEW_DOF:
-        return ""
-    freedom = "1 degree" if made.dof == 1 else f"{made.dof} degrees"
-    return f"only {freedom} of freedom: the error bars themselves are uncertain"
-
-
-def _corner(made: Calibration) -> str:
-    corner_px = made.corner_error_px
-    if corner_px is None or corner_px <= max(1.0, abs(made.finding.corner_px) / 3):
-        return ""
-    return (
-        f"the correction of the corners is uncertain by {corner_px:.2g} px (one standard error): "
-        "pick lines nearer to the corners"
-    )
 
 
 def _uninformative(made: Calibration) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -106,12 +107,19 @@ class Origin:
     Attributes:
         path: The file as named by the user.
         format: Name of its format.
-        content: Its bytes.
+        content: Its bytes; empty where a result was read back.
+        checksum: The SHA-256 of the bytes, where a result tells it.
     """
 
     path: str
     format: str
     content: bytes = field(repr=False, default=b"")
+    checksum: str = ""
+
+    @property
+    def sha256(self) -> str:
+        """SHA-256 of the file's bytes, in hexadecimal; empty where it is not known."""
+        return hashlib.sha256(self.content).hexdigest() if self.content else self.checksum
 
 
 def first_of_each(points: Array) -> NDArray[np.int64]:

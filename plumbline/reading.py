@@ -21,7 +21,7 @@ from plumbline.photos import (
     photo_beside,
     with_exif,
 )
-from plumbline.result_json import from_json
+from plumbline.result_reading import from_json
 
 _ONE_FIELD_OF_VIEW = 0.02
 _SHIFT_AND_SHEAR = ("d", "e", "g", "t")

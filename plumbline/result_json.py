@@ -7,38 +7,18 @@ The names are those of `Calibration`. One lens is one object; several are listed
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, replace
+from collections.abc import Sequence
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
 from plumbline._version import __version__
 from plumbline.calibration import Calibration
-from plumbline.errors import PlumblineError, ReadError
-from plumbline.facts import LensFacts
 from plumbline.files import RESULT
-from plumbline.frame import Array
-from plumbline.lens import Lens
-from plumbline.models import get_model
-from plumbline.observations import Line, Observations, Origin, Photo
+from plumbline.suspect import Suspect
 
 FORMAT_VERSION = 1
-
-_AGAIN = "fit again: plumbline fit POINTS -o result.json"
-_TEXTS = ("maker", "model", "camera", "mount", "projection")
-_LATER_TEXTS = ("exif_make", "exif_model")  # absent from files of plumbline's first days
-_NUMBERS = (
-    "focal_mm",
-    "crop_factor",
-    "crop_factor_error",
-    "hfov_deg",
-    "hfov_width_px",
-    "focal_px",
-    "aspect_ratio",
-)
-_MOST = 1e100
-_DAMAGE = (ValueError, TypeError, IndexError, AttributeError, OverflowError)
 
 
 def to_json(calibrations: Sequence[Calibration]) -> str:
@@ -72,15 +52,52 @@ def as_dict(made: Calibration) -> dict[str, Any]:
         "rms_corrected_px": made.rms_corrected_px,
         "largest_before_px": made.largest_before_px,
         "largest_after_px": made.largest_after_px,
-        "corner_error_px": made.corner_error_px,
+        "intervals": {name: list(ends) for name, ends in made.intervals.items()},
+        "displacement": _displacement(made),
+        "jackknife": _jackknife(made),
+        "model_error": None if made.model_error is None else asdict(made.model_error),
+        "robust": made.robust,
+        "checks": [asdict(check) for check in made.checks],
+        "suspects": [_suspect(made, each) for each in made.suspects],
         "converged": made.converged,
         "reason": made.reason,
         "finding": asdict(finding),
         "focal_px": made.lens.focal_px,
         "notes": list(made.notes),
         "remarks": list(made.remarks),
+        "command": made.command,
         "lines": [line._asdict() for line in made.lines],
         "observations": _observations(made),
+    }
+
+
+def _displacement(made: Calibration) -> dict[str, Any] | None:
+    sure = made.displacement
+    if sure is None:
+        return None
+    wide = made.jackknife_displacement
+    return {
+        "largest_px": sure.worst_px,
+        "at_px": list(sure.worst_at),
+        "jackknife_largest_px": None if wide is None else wide.worst_px,
+        "quoted": "jackknife" if made.quotes_jackknife else "independent",
+        "points_px": sure.points_px.tolist(),
+        "errors_px": sure.errors_px.tolist(),
+    }
+
+
+def _jackknife(made: Calibration) -> dict[str, Any] | None:
+    left = made.jackknife
+    return None if left is None else {"dof": left.dof, "covariance": left.covariance.tolist()}
+
+
+def _suspect(made: Calibration, suspect: Suspect) -> dict[str, Any]:
+    size = suspect.studentised if np.isfinite(suspect.studentised) else None
+    return asdict(suspect) | {
+        "label": made.observations.lines[suspect.line].label,
+        "picks": list(suspect.picks),
+        "residual_px": suspect.residual_px if np.isfinite(suspect.residual_px) else None,
+        "studentised": size,
     }
 
 
@@ -103,137 +120,15 @@ def _observations(made: Calibration) -> dict[str, Any]:
                 "photo": line.photo,
                 "points_px": line.points_px.tolist(),
                 "before_px": before.tolist(),
-                "residuals_px": after.tolist(),
+                "residuals_px": [r if np.isfinite(r) else None for r in after.tolist()],
+                "left_out": np.flatnonzero(~kept).tolist(),
             }
-            for line, before, after in zip(
-                observations.lines, made.before_px, made.residuals_px, strict=True
+            for line, before, after, kept in zip(
+                observations.lines, made.before_px, made.residuals_px, made.kept, strict=True
             )
         ],
-        "origins": [{"path": o.path, "format": o.format} for o in observations.origins],
+        "origins": [
+            {"path": o.path, "format": o.format, "sha256": o.sha256} for o in observations.origins
+        ],
         "notes": list(observations.notes),
     }
-
-
-def from_json(text: str, path: str) -> tuple[Calibration, ...]:
-    """Read back what `to_json` wrote.
-
-    Raises:
-        ReadError: the text is no such JSON.
-    """
-    try:
-        whole = json.loads(text, parse_constant=_not_finite)
-        _refuse_others(whole, path)
-        made = tuple(_calibration(each) for each in whole.get("calibrations", [whole]))
-    except ReadError:
-        raise
-    except RecursionError:
-        raise ReadError("the JSON is nested too deeply", path=path, hint=_AGAIN) from None
-    except KeyError as error:
-        raise ReadError(f"the calibration lacks {error}", path=path, hint=_AGAIN) from None
-    except (PlumblineError, *_DAMAGE) as error:
-        raise ReadError(f"the calibration is damaged: {error}", path=path, hint=_AGAIN) from None
-    if not made:
-        raise ReadError("there is no calibration in this file", path=path, hint=_AGAIN)
-    return made
-
-
-def _refuse_others(whole: Any, path: str) -> None:
-    if not isinstance(whole, dict) or whole.get("format") != RESULT:
-        raise ReadError("this is no calibration written by plumbline", path=path, hint=_AGAIN)
-    if whole.get("format_version") != FORMAT_VERSION:
-        raise ReadError(
-            "this calibration was written by another version of plumbline", path=path, hint=_AGAIN
-        )
-
-
-def _not_finite(name: str) -> float:
-    raise ValueError(f"{name} is no finite number")
-
-
-def _calibration(data: Mapping[str, Any]) -> Calibration:
-    stored = data["observations"]
-    observations = Observations(
-        photos=tuple(
-            Photo(_pair(p["size"]), str(p["name"]), 0, _number(p["pixel_aspect"]), int(p["number"]))
-            for p in stored["photos"]
-        ),
-        lines=tuple(
-            Line(_array(line["points_px"], 2), int(line["photo"]), str(line["label"]))
-            for line in stored["lines"]
-        ),
-        lenses=(_facts(stored["lens"]),),
-    ).checked()
-    origins = tuple(Origin(str(o["path"]), str(o["format"])) for o in stored["origins"])
-    residuals_px = tuple(_array(line["residuals_px"], 1) for line in stored["lines"])
-    sizes = [len(line.points_px) for line in observations.lines]
-    if [len(values) for values in residuals_px] != sizes:
-        raise ValueError("the residuals do not fit the points")
-    if not all(0 <= line.photo < len(observations.photos) for line in observations.lines):
-        raise ValueError("a line lies in no photo")
-    free = tuple(str(name) for name in data["free"])
-    model = get_model(str(data["model"]))
-    lens = Lens(
-        model,
-        observations.photos[0].frame,
-        {str(name): _number(value) for name, value in data["coefficients"].items()},
-        None if data["focal_px"] is None else _number(data["focal_px"]),
-    )
-    covariance = _array(data["covariance"], 2)
-    names = set(lens.coefficients)
-    if covariance.shape != (len(free), len(free)) or np.any(np.diag(covariance) < 0):
-        raise ValueError("the covariance does not fit the free coefficients")
-    start = {str(name): _number(value) for name, value in data["start"].items()}
-    if not set(free) <= names or len(set(free)) < len(free) or set(start) != names:
-        raise ValueError("the coefficients do not fit the model")
-    if data["residual"] not in ("image", "corrected") or not isinstance(data["converged"], bool):
-        raise ValueError("the kind of residual or the convergence is not known")
-    return Calibration(
-        observations=replace(
-            observations,
-            origins=origins,
-            notes=tuple(str(note) for note in stored["notes"]),
-        ),
-        lens=lens,
-        free=free,
-        start=start,
-        residual=data["residual"],
-        covariance=covariance,
-        sigma_px=_number(data["sigma_px"]),
-        dof=int(data["dof"]),
-        residuals_px=residuals_px,
-        rms_corrected_px=_number(data["rms_corrected_px"]),
-        converged=data["converged"],
-        reason=str(data["reason"]),
-        remarks=tuple(str(note) for note in data["remarks"]),
-    )
-
-
-def _pair(values: Any) -> tuple[int, int]:
-    width, height = values
-    return int(width), int(height)
-
-
-def _array(values: Any, dimensions: int) -> Array:
-    array = np.array(values, dtype=np.float64)
-    if array.ndim != dimensions or not np.all(np.abs(array) <= _MOST):
-        raise ValueError("an array has the wrong shape or holds an absurd number")
-    return array
-
-
-def _number(value: Any) -> float:
-    number = float(value)
-    if not abs(number) <= _MOST:
-        raise ValueError(f"{number:g} is an absurd number")
-    return number
-
-
-def _facts(data: Mapping[str, Any]) -> LensFacts:
-    facts: dict[str, Any] = {name: str(data[name]) for name in _TEXTS}
-    facts |= {name: str(data.get(name, "")) for name in _LATER_TEXTS}
-    facts |= {name: None if data[name] is None else _number(data[name]) for name in _NUMBERS}
-    requested = data["requested"]
-    return LensFacts(
-        **facts,
-        stored={str(name): _number(value) for name, value in data["stored"].items()},
-        requested=None if requested is None else tuple(str(name) for name in requested),
-    )

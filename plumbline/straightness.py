@@ -1,40 +1,112 @@
-"""How straight picked points are as they stand, without any model."""
+"""How straight points are: orthogonal least-squares lines through them, many at a time."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from plumbline.frame import Array
 from plumbline.observations import Observations
 
 
-def along_and_across(points: Array) -> tuple[Array, Array]:
-    """Where points lie relative to their orthogonal least-squares line.
+@dataclass(frozen=True, eq=False)
+class Lines:
+    """Orthogonal least-squares lines, one for each group of points.
+
+    Attributes:
+        centre: Centroids, shape (l, 2).
+        along: Unit vectors along the lines, shape (l, 2).
+        count: Number of points that count, shape (l,).
+        spread: Sum of squared positions along the line from the centroid, shape (l,).
+    """
+
+    centre: Array
+    along: Array
+    count: Array
+    spread: Array
+
+    @property
+    def across(self) -> Array:
+        """Unit normals, shape (l, 2)."""
+        return np.stack((-self.along[:, 1], self.along[:, 0]), axis=1)
+
+    def place(self, points: Array, line: NDArray[np.int64]) -> tuple[Array, Array]:
+        """Position along and signed distance from a line for each point, both (n,).
+
+        Args:
+            points: Shape (n, 2).
+            line: Which line each is compared with, shape (n,).
+        """
+        away = points - self.centre[line]
+        along, across = self.along[line], self.across[line]
+        return np.sum(away * along, axis=1), np.sum(away * across, axis=1)
+
+
+def line_numbers(sizes: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Which line each point belongs to, where points stand line after line, shape (n,)."""
+    return np.repeat(np.arange(len(sizes)), sizes)
+
+
+def fit_lines(points: Array, line: NDArray[np.int64], n_lines: int, weight: Array) -> Lines:
+    """Fit lines by orthogonal least squares.
+
+    tan 2θ = 2 S_xy / (S_xx − S_yy) for the direction θ of the second moments (Pearson 1901).
 
     Args:
         points: Shape (n, 2).
-
-    Returns:
-        Position along the line and signed distance from it, both (n,), from the centroid.
+        line: Which line each belongs to, shape (n,).
+        n_lines: Number of lines.
+        weight: 1 for points that count, 0 for others, shape (n,).
     """
-    centred = points - points.mean(axis=0)
-    (xx, xy), (_, yy) = centred.T @ centred
+
+    def total(values: Array) -> Array:
+        return np.bincount(line, values * weight, n_lines).astype(np.float64)
+
+    counted = total(np.ones(len(line)))
+    divisor = np.maximum(counted, 1.0)
+    finite = np.where(weight[:, None] > 0, points, 0.0)
+    centre = np.stack([total(column) for column in finite.T], axis=1) / divisor[:, None]
+    x, y = np.where(weight[:, None] > 0, points - centre[line], 0.0).T
+    xx, xy, yy = total(x * x), total(x * y), total(y * y)
     cosine, sine = direction(xx, xy, yy)
-    return centred @ np.array([cosine, sine]), centred @ np.array([-sine, cosine])
+    # A steep line runs down whichever way it leans, as in the compiled residual.
+    turn = np.where((xx < yy) & (sine < 0), -1.0, 1.0)
+    cosine, sine = cosine * turn, sine * turn
+    spread = xx * cosine**2 + 2 * xy * cosine * sine + yy * sine**2
+    return Lines(centre, np.stack((cosine, sine), axis=1), counted, spread)
 
 
 def direction(xx: Any, xy: Any, yy: Any) -> tuple[Any, Any]:
-    """Cosine and sine of the direction θ of second moments: tan 2θ = 2 S_xy / (S_xx − S_yy)."""
+    """Cosine and sine of the direction θ of second moments."""
     angle = 0.5 * np.arctan2(2 * xy, xx - yy)
     return np.cos(angle), np.sin(angle)
 
 
-def straightness_before(observations: Observations) -> tuple[Array, ...]:
-    """Signed distances in square pixels of every line's observed points, before any fit."""
+def along_and_across(points: Array) -> tuple[Array, Array]:
+    """Position along their line and signed distance from it of points of shape (n, 2)."""
+    line = np.zeros(len(points), dtype=np.int64)
+    return fit_lines(points, line, 1, np.ones(len(points))).place(points, line)
+
+
+def straightness_before(
+    observations: Observations, kept: Sequence[NDArray[np.bool_]] | None = None
+) -> tuple[Array, ...]:
+    """Signed distances in square pixels of every line's observed points, before any fit.
+
+    Args:
+        observations: The picks.
+        kept: Which points of each line its straight line is fitted to; all by default.
+    """
     frames = [photo.frame for photo in observations.photos]
-    return tuple(
-        along_and_across(frames[line.photo].normalise(line.points_px, 1.0))[1]
-        for line in observations.lines
+    points = np.concatenate(
+        [frames[line.photo].normalise(line.points_px, 1.0) for line in observations.lines]
     )
+    sizes = np.array([len(line.points_px) for line in observations.lines], dtype=np.int64)
+    line = line_numbers(sizes)
+    weight = np.ones(len(points)) if kept is None else np.concatenate(kept).astype(np.float64)
+    lines = fit_lines(points, line, len(sizes), weight)
+    return tuple(np.split(lines.place(points, line)[1], np.cumsum(sizes)[:-1]))

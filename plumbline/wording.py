@@ -14,3 +14,10 @@ def listed(items: Sequence[str], most: int = 8) -> str:
     """The first items separated by commas, and how many more there are."""
     more = f" and {len(items) - most} more" if len(items) > most else ""
     return ", ".join(items[:most]) + more
+
+
+def px(length: float) -> str:
+    """A length with two significant digits: "0.58 px", "1.0 px", "12 px", "1,230 px"."""
+    if abs(length) >= 10:
+        return f"{length:,.0f} px"
+    return f"{length:#.2g} px"

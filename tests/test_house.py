@@ -15,12 +15,14 @@ import plumbline
 PACKAGE = Path(plumbline.__file__).parent
 
 FLOORS = [
-    ("errors", "_version", "wording"),
+    ("errors", "_version", "wording", "student"),
     ("files",),
     ("frame", "facts", "picks", "observations"),
     ("models",),
-    ("lens", "finding", "displacement"),
-    ("straightness", "notes", "calibration", "result_json"),
+    ("lens", "finding", "ideal", "displacement", "straightness"),
+    ("linearised", "suspect", "trust", "checks"),
+    ("next_line", "trust_checks", "notes", "calibration", "comparison"),
+    ("result_json", "result_reading"),
     ("fit",),
     ("formats",),
     ("lenses",),

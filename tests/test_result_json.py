@@ -23,7 +23,7 @@ from plumbline.frame import Frame
 from plumbline.lens import Lens
 from plumbline.models import get_model
 from plumbline.observations import Line, Observations, Origin, Photo
-from plumbline.result_json import from_json, to_json
+from plumbline.result_reading import from_json, to_json
 
 THIRD = 1 / 3
 

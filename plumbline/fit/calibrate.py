@@ -5,14 +5,16 @@ from __future__ import annotations
 import os
 from collections.abc import Generator, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import replace
 
 from plumbline.calibration import Calibration, ResidualKind
 from plumbline.errors import CollapsedFitError, DegenerateLinesError, PlumblineError
 from plumbline.fit.outcome import finish
 from plumbline.fit.problem import Problem, Start, prepare
+from plumbline.fit.robust import Robust, robust_fits
 from plumbline.fit.solve import BATCH, solve, solve_many
+from plumbline.fit.suspects import suspects_of
 from plumbline.fit.task import Solution
 from plumbline.models import get_model
 from plumbline.observations import Observations
@@ -26,6 +28,7 @@ def calibrate(
     hold: Iterable[str] = (),
     start: Start = None,
     residual: ResidualKind = "image",
+    robust: bool = False,
 ) -> Calibration:
     """Find the distortion that makes every picked line straight.
 
@@ -40,6 +43,7 @@ def calibrate(
             coefficients stay at their start value; `d` and `e` at the project's.
         residual: "image" minimises distances in the photograph's own pixels, where picking
             errors live; "corrected" those in the corrected photo, as Hugin does.
+        robust: Leave suspicious picks out. A plain fit uses all, and names these in `suspects`.
 
     Returns:
         The calibration. One that did not end in a minimum says so in `converged`. Its `lens` is
@@ -59,9 +63,9 @@ def calibrate(
     problem = prepare(observations, get_model(model), free, hold, start, residual)
     solution = solve(problem.model, problem.task)
     if problem.plan.staged:
-        return finish(problem, solution)
-    staged = solve(problem.model, problem.task._replace(staged=True))
-    return _compared_with_zero(problem, solution, staged)
+        return _finished([problem], [solution], [0], robust=robust)[0]
+    from_zero = replace(problem, task=problem.task._replace(staged=True))
+    return _compared_with_zero(problem, solution, from_zero, robust=robust)
 
 
 def calibrate_many(
@@ -71,6 +75,7 @@ def calibrate_many(
     free: Iterable[str] | None = None,
     hold: Iterable[str] = (),
     residual: ResidualKind = "image",
+    robust: bool = False,
 ) -> list[Calibration]:
     """Calibrate many lenses at once, in compiled batches of problems of like size.
 
@@ -80,6 +85,7 @@ def calibrate_many(
         free: As for `calibrate`.
         hold: As for `calibrate`.
         residual: As for `calibrate`.
+        robust: As for `calibrate`.
 
     Returns:
         One calibration each, in the same order, the same as `calibrate` gives.
@@ -102,16 +108,51 @@ def calibrate_many(
         for first in range(0, len(members), BATCH)
     ]
 
-    def solved(chunk: list[int]) -> list[Solution]:
-        return solve_many(get_model(model), [prepared[index].task for index in chunk])
+    def fitted(chunk: list[int]) -> list[Calibration]:
+        problems = [prepared[index] for index in chunk]
+        solutions = solve_many(get_model(model), [problem.task for problem in problems])
+        return _finished(problems, solutions, chunk, robust=robust, numbered=True)
 
     results: dict[int, Calibration] = {}
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        for chunk, solutions in zip(chunks, pool.map(solved, chunks), strict=True):
-            for index, solution in zip(chunk, solutions, strict=True):
-                with _numbered(index):
-                    results[index] = finish(prepared[index], solution)
+        for chunk, calibrations in zip(chunks, pool.map(fitted, chunks), strict=True):
+            results.update(zip(chunk, calibrations, strict=True))
     return [results[index] for index in range(len(prepared))]
+
+
+def _finished(
+    problems: Sequence[Problem],
+    solutions: Sequence[Solution],
+    numbers: Sequence[int],
+    *,
+    robust: bool,
+    numbered: bool = False,
+) -> list[Calibration]:
+    """Calibrations of one model with their suspects; `numbers` name the lenses in errors."""
+    made: list[Calibration] = []
+    every = zip(numbers, problems, solutions, robust_fits(problems, solutions), strict=True)
+    for number, problem, solution, found in every:
+        with _numbered(number) if numbered else nullcontext():
+            made.append(_judged(problem, solution, found, robust=robust))
+    return made
+
+
+def _judged(
+    problem: Problem, solution: Solution, found: Robust | None, *, robust: bool
+) -> Calibration:
+    """The plain or the robust fit, with the suspects that the robust one names."""
+    if found is None:
+        return replace(finish(problem, solution), robust=robust)
+    if robust:
+        believed = finish(found.problem, found.solution)
+        return replace(believed, suspects=suspects_of(believed, found), robust=True)
+    plain = finish(problem, solution)
+    try:
+        believed = plain if found.problem is problem else finish(found.problem, found.solution)
+    except DegenerateLinesError as error:
+        note = f"which picks are wrong cannot be told: without the suspicious ones {error.message}"
+        return replace(plain, remarks=(*plain.remarks, note))
+    return replace(plain, suspects=suspects_of(believed, found))
 
 
 @contextmanager
@@ -125,16 +166,22 @@ def _numbered(index: int) -> Generator[None]:
         raise
 
 
-def _compared_with_zero(problem: Problem, solution: Solution, staged: Solution) -> Calibration:
+def _compared_with_zero(
+    problem: Problem, solution: Solution, staged: Problem, *, robust: bool
+) -> Calibration:
     """The fit from the user's start vector; if the one from zero ends lower, both are told."""
+
+    def fitted(which: Problem, found: Solution) -> Calibration:
+        return _finished([which], [found], [0], robust=robust)[0]
+
     try:
-        from_zero = finish(problem, staged)
+        from_zero = fitted(staged, solve(staged.model, staged.task))
     except PlumblineError:
-        return finish(problem, solution)
+        return fitted(problem, solution)
     values = ", ".join(f"{n} = {from_zero.coefficients[n]:.6g}" for n in from_zero.free)
     reached = f"starting from zero reaches {from_zero.rms_after_px:.4g} px with {values}"
     try:
-        made = finish(problem, solution)
+        made = fitted(problem, solution)
     except DegenerateLinesError as error:
         raise CollapsedFitError(
             f"this start vector leads nowhere ({error.message}), while {reached}",

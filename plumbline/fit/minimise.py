@@ -54,9 +54,19 @@ def minimise(model: Model, task: Task) -> Solution:
     last = jnp.max(jnp.abs(step))
     step = jnp.where(task.free & (last < _SMALL_STEP), step, 0.0)
     final = jnp.where(task.free, solution.value + step, task.start)
+    at = residuals(model, final, task.block, task.unit_px, REACH * task.corner)
+    counts = task.block.weight > 0
+    beyond = at.excess > 0
+    folded = counts & (beyond | ~(at.determinant > 0))
+    scales = jnp.where(counts & ~folded, jnp.sqrt(jnp.abs(at.determinant)), 0.0)
     return Solution(
         final,
-        residuals(model, final, task.block, task.unit_px, REACH * task.corner),
+        jnp.where(task.image, at.image, at.corrected),
+        jnp.where(beyond, jnp.nan, at.u),
+        jnp.where(beyond, jnp.nan, at.v),
+        jnp.sum(at.corrected**2),
+        jnp.sum(scales) / jnp.sum(counts.astype(scales.dtype)),
+        jnp.sum(folded),
         products.normal * task.unit_px**2,
         last,
         solution.stats["num_steps"],

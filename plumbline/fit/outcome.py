@@ -13,44 +13,42 @@ from plumbline.fit.uncertainty import (
     refuse_bent,
     refuse_collapsed,
     refuse_unobservable,
+    sandwich,
     unit_covariance,
 )
+from plumbline.lens import Lens
 from plumbline.models import CENTRE
+from plumbline.suspect import Suspect
 
 _SETTLED_PX = 1e-4
 
 
-def finish(problem: Problem, solution: Solution) -> Calibration:
+def finish(problem: Problem, solution: Solution, suspects: tuple[Suspect, ...] = ()) -> Calibration:
     """Make a calibration of what the solver found.
 
     Args:
         problem: What it was given.
         solution: What it found.
+        suspects: Picks that a robust fit finds wrong.
 
     Raises:
         DegenerateLinesError: the lines do not determine the free coefficients.
         CollapsedFitError: the fit reached a small residual by a nonsensical lens.
     """
-    model, packed, chosen = problem.model, problem.packed, problem.plan
-    names = (*model.coefficients, *CENTRE)
-    to_px = pixels_of_centre(problem.blank)
-    found = dict(zip(names, (solution.coefficients * to_px).tolist(), strict=True))
-    held = {name: value for name, value in chosen.start.items() if name not in chosen.free}
-    lens = replace(problem.blank, coefficients=found | held)
-    at = solution.residuals
-    refuse_collapsed(lens, packed.unpack(at.determinant), packed.unpack(at.excess))
-    corrected = packed.unpack(at.corrected)
-    fitted = packed.unpack(at.image) if problem.residual == "image" else corrected
-    sigma_px = float(np.sqrt(fitted @ fitted / problem.dof))
+    packed, chosen = problem.packed, problem.plan
+    lens = lens_of(problem, solution)
+    refuse_collapsed(lens, float(solution.scale), int(solution.folded))
+    fitted = packed.unpack(solution.residual)
     residuals_px = tuple(np.split(fitted, np.cumsum(packed.sizes)[:-1]))
+    sigma_px = float(np.sqrt(fitted @ fitted / problem.dof))
     labels = [line.label for line in problem.observations.lines]
     refuse_bent(sigma_px, lens.frame.radius_px, labels, residuals_px)
-    free = problem.task.free
+    free, to_px = problem.task.free, pixels_of_centre(problem.blank)
     unit = unit_covariance(solution.normal[np.ix_(free, free)])
     unit = unit * np.outer(to_px[free], to_px[free])
     refuse_unobservable(lens, chosen.free, unit, sigma_px)
     converged = bool(float(solution.last_step) * lens.unit_px < _SETTLED_PX)
-    return Calibration(
+    made = Calibration(
         observations=problem.observations,
         lens=lens,
         free=chosen.free,
@@ -60,10 +58,40 @@ def finish(problem: Problem, solution: Solution) -> Calibration:
         sigma_px=sigma_px,
         dof=problem.dof,
         residuals_px=residuals_px,
-        rms_corrected_px=float(np.sqrt(corrected @ corrected / len(corrected))),
+        rms_corrected_px=float(np.sqrt(solution.corrected_square / np.count_nonzero(problem.kept))),
         converged=converged,
         reason="the fit ended in a minimum"
         if converged
         else f"the fit stopped after {int(solution.steps)} steps without reaching a minimum",
         remarks=chosen.notes,
+        kept=tuple(np.split(problem.kept, np.cumsum(packed.sizes)[:-1])),
+        suspects=suspects,
     )
+    if problem.residual == "corrected":
+        made = _with_sandwich(made)
+    return made if problem.kept.all() else _with_left_out(made)
+
+
+def lens_of(problem: Problem, solution: Solution) -> Lens:
+    """The lens that the solver found."""
+    names = (*problem.model.coefficients, *CENTRE)
+    to_px = pixels_of_centre(problem.blank)
+    found = dict(zip(names, (solution.coefficients * to_px).tolist(), strict=True))
+    plan = problem.plan
+    held = {name: value for name, value in plan.start.items() if name not in plan.free}
+    return replace(problem.blank, coefficients=found | held)
+
+
+def _with_sandwich(made: Calibration) -> Calibration:
+    """Residuals of the corrected photo have unequal variances: σ̂ and covariance that know it."""
+    covariance, sigma_px = sandwich(made.linearised, made.dof)
+    return replace(made, covariance=covariance, sigma_px=sigma_px)
+
+
+def _with_left_out(made: Calibration) -> Calibration:
+    """Residuals of the picks left out, which the solver gives as 0."""
+    ends = np.cumsum([len(values) for values in made.residuals_px])[:-1]
+    every = np.where(
+        np.concatenate(made.kept), np.concatenate(made.residuals_px), made.linearised.residual_px
+    )
+    return replace(made, residuals_px=tuple(np.split(every, ends)))

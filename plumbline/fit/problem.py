@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from plumbline.calibration import ResidualKind
 from plumbline.errors import DegenerateLinesError, OptionError
@@ -19,22 +20,49 @@ from plumbline.frame import Array, Frame
 from plumbline.lens import Lens
 from plumbline.models import CENTRE, Model
 from plumbline.observations import Observations
+from plumbline.straightness import line_numbers
 
 Start = Mapping[str, float] | Literal["file"] | None
 
 
 @dataclass(frozen=True)
 class Problem:
-    """A problem ready to be solved, with all that is needed to make sense of the solution."""
+    """A problem ready to be solved, with all that is needed to make sense of the solution.
+
+    Attributes:
+        observations: What it is about.
+        model: The distortion model.
+        plan: What is free, and where everything starts.
+        residual: Which residual is minimised.
+        packed: All picks.
+        kept: Which of them are fitted, in the order of the lines, shape (n,).
+        task: The problem for the solver.
+        blank: The lens before the fit.
+        dof: Degrees of freedom.
+    """
 
     observations: Observations
     model: Model
     plan: Plan
     residual: ResidualKind
     packed: Packed
+    kept: NDArray[np.bool_]
     task: Task
     blank: Lens
     dof: int
+
+    def keeping(self, kept: NDArray[np.bool_]) -> Problem:
+        """The same problem fitted to some of the picks.
+
+        Raises:
+            DegenerateLinesError: they are too few.
+        """
+        weight = np.zeros(self.packed.block.weight.size)
+        weight[self.packed.cells] = kept
+        block = self.packed.block._replace(weight=weight.reshape(self.packed.shape))
+        n_lines = len(np.unique(line_numbers(self.packed.sizes)[kept]))
+        dof = degrees_of_freedom(int(np.count_nonzero(kept)), n_lines, len(self.plan.free))
+        return replace(self, kept=kept, task=self.task._replace(block=block), dof=dof)
 
 
 def prepare(
@@ -86,7 +114,8 @@ def prepare(
         gauge_radius=model.gauge * frame.radius_px / blank.unit_px,
         corner=frame.corner_radius * frame.radius_px / blank.unit_px,
     )
-    return Problem(observations, model, chosen, residual, packed, task, blank, dof)
+    kept = np.ones(observations.n_points, dtype=np.bool_)
+    return Problem(observations, model, chosen, residual, packed, kept, task, blank, dof)
 
 
 def _only_lens(observations: Observations) -> LensFacts:

@@ -145,13 +145,13 @@ def residuals(
     x = block.xy[..., 0] - coefficients[-2]
     y = block.xy[..., 1] - coefficients[-1]
     u, v, (xx, xy, yx, yy), excess = undistort(model, coefficients[:-2], x, y, reach)
-    u, v, nx, ny = _line_frame(block, u, v)
-    distance = nx * u + ny * v
+    from_u, from_v, nx, ny = _line_frame(block, u, v)
+    distance = nx * from_u + ny * from_v
     across_x, across_y = nx * xx + ny * yx, nx * xy + ny * yy
     stretch = jnp.sqrt(across_x * across_x + across_y * across_y)
     corrected = (distance + excess) * unit_px * block.weight
     image = (distance / stretch + excess) * unit_px * block.weight
-    return Residuals(image, corrected, xx * yy - xy * yx, excess * block.weight)
+    return Residuals(image, corrected, xx * yy - xy * yx, excess, u, v)
 
 
 def _line_frame(

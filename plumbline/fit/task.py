@@ -15,12 +15,16 @@ class Residuals(NamedTuple):
         corrected: Distance in the corrected photograph.
         determinant: Local area of the corrected photo over that of the photograph.
         excess: How far beyond the fold of the model a point lies; 0 for all good points.
+        u: Ideal x from the distortion centre, normalised.
+        v: Ideal y.
     """
 
     image: AnyArray
     corrected: AnyArray
     determinant: AnyArray
     excess: AnyArray
+    u: AnyArray
+    v: AnyArray
 
 
 class Task(NamedTuple):
@@ -52,7 +56,13 @@ class Solution(NamedTuple):
 
     Attributes:
         coefficients: Fitted and held values, (k + 2,).
-        residuals: Residuals of both kinds, to within the last step.
+        residual: The residual that was minimised, in pixels, to within the last step; 0 for
+            padding and for points of weight 0; (rows, width).
+        u: Ideal x of all points from the distortion centre, normalised; NaN beyond the fold.
+        v: Ideal y.
+        corrected_square: Sum of the squared distances in the corrected photograph.
+        scale: Mean scale of the corrected photo at the points, √determinant.
+        folded: How many points lie beyond the fold of the model.
         normal: JᵀJ of the kind that was minimised, (k + 2, k + 2), in pixels; a one on the
             diagonal for held coefficients.
         last_step: The largest change of a coefficient in the last Gauss–Newton step; close to 0
@@ -61,7 +71,12 @@ class Solution(NamedTuple):
     """
 
     coefficients: AnyArray
-    residuals: Residuals
+    residual: AnyArray
+    u: AnyArray
+    v: AnyArray
+    corrected_square: AnyArray
+    scale: AnyArray
+    folded: AnyArray
     normal: AnyArray
     last_step: AnyArray
     steps: AnyArray

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from plumbline.errors import CollapsedFitError, DegenerateLinesError
 from plumbline.frame import Array
 from plumbline.lens import Lens
+from plumbline.linearised import Linearised
 from plumbline.models import CENTRE, Model
 from plumbline.straightness import direction
 from plumbline.wording import count
@@ -110,6 +111,23 @@ def unit_covariance(normal: Array) -> Array:
     return inverse / np.outer(scale, scale)
 
 
+def sandwich(linear: Linearised, dof: int) -> tuple[Array, float]:
+    """Covariance and σ̂ where residuals are measured in the corrected photo.
+
+    A pick's error σ in the photograph is s σ there, s the local stretch, so that the covariance is
+    σ̂² N⁻¹ (Σ s² J Jᵀ) N⁻¹ with N = JᵀJ (P. Huber 1967, H. White 1980), and σ̂ is taken from the
+    residuals in the photograph.
+
+    Returns:
+        Covariance, shape (k, k), and σ̂ in pixels of the photograph.
+    """
+    jacobian, stretch = linear.jacobian[linear.kept], linear.stretch[linear.kept]
+    sigma_px = float(np.sqrt(np.sum(linear.image_px[linear.kept] ** 2) / dof))
+    unit = unit_covariance(linear.normal)
+    meat = (jacobian * stretch[:, None] ** 2).T @ jacobian
+    return sigma_px**2 * unit @ meat @ unit, sigma_px
+
+
 def corner_error(
     model: Model, c: Array, cov: Array, radial: NDArray[np.int64], corner: float
 ) -> float:
@@ -194,13 +212,13 @@ def refuse_bent(
         )
 
 
-def refuse_collapsed(lens: Lens, determinant: Array, excess: Array) -> None:
+def refuse_collapsed(lens: Lens, scale: float, folded: int) -> None:
     """Stop where a small residual was bought by shrinking, folding or leaving the photo.
 
     Args:
         lens: The fitted lens.
-        determinant: Local area of the corrected photo over that of the photograph, per pick.
-        excess: How far beyond the model's fold each pick lies.
+        scale: Mean scale of the corrected photo at the picks.
+        folded: How many picks lie beyond the model's fold.
 
     Raises:
         CollapsedFitError: as said.
@@ -209,12 +227,10 @@ def refuse_collapsed(lens: Lens, determinant: Array, excess: Array) -> None:
         "check that every pick is on its line and that the photo's size (and --grid) is right; "
         "else free fewer coefficients, or add lines"
     )
-    folded = int(np.count_nonzero((excess > 0) | ~(determinant > 0)))
     if folded:
         raise CollapsedFitError(
             f"the fit folds the photo over: {count(folded, 'pick')} beyond the fold", hint=hint
         )
-    scale = float(np.mean(np.sqrt(determinant)))
     if not _SCALES[0] <= scale <= _SCALES[1]:
         raise CollapsedFitError(
             f"the fit collapsed: it scales the photo by {scale:.2f} to make its lines straight",

@@ -18,7 +18,7 @@ from plumbline.lenses.request import LensRequest
 from plumbline.lenses.sources import stored_lens_profile
 from plumbline.lenses.stored_files import stored_lenses
 from plumbline.lenses.zoom_json import StoredZoom
-from plumbline.result_json import from_json
+from plumbline.result_reading import from_json
 from plumbline.wording import listed
 
 _MOST_FILES = 10_000

@@ -18,7 +18,7 @@ from plumbline.lens import Lens
 from plumbline.lenses.stored import StoredLens, of_calibration, projection_note
 from plumbline.models import CENTRE, get_model
 from plumbline.observations import MAX_SIDE
-from plumbline.result_json import from_json
+from plumbline.result_reading import from_json
 
 _KINDS = (
     "a result JSON, a zoom JSON, a Hugin or PTGui project, a LensFun XML file or folder, a PTLens "

@@ -23,7 +23,7 @@ from plumbline.lenses.zoom_join import join
 from plumbline.lenses.zoom_json import zoom_text
 from plumbline.lenses.zoom_needs import displacement_px
 from plumbline.models import CENTRE
-from plumbline.result_json import from_json
+from plumbline.result_reading import from_json
 
 _SUFFIXES = (".json", ".xml", ".txt")
 _BETWEEN = 8

@@ -48,6 +48,26 @@ class Model(ABC):
 
     @property
     @abstractmethod
+    def powers(self) -> tuple[int, ...]:
+        """Power of r in the factor for each radial coefficient, in the coefficients' order."""
+
+    @property
+    @abstractmethod
+    def next_powers(self) -> tuple[int, ...]:
+        """Powers of r that the next richer model has besides."""
+
+    @property
+    def radial(self) -> tuple[str, ...]:
+        """Names of the coefficients that are not decentring ones."""
+        return tuple(name for name in self.coefficients if name not in self.tangential)
+
+    def richer(self, free: tuple[str, ...]) -> tuple[int, ...]:
+        """Powers of r that a fit of `free` lacks: the held ones, else the next richer model's."""
+        held = [p for n, p in zip(self.radial, self.powers, strict=True) if n not in free]
+        return tuple(held) or self.next_powers
+
+    @property
+    @abstractmethod
     def coefficients(self) -> tuple[str, ...]:
         """Names of the coefficients in the order that the methods below take them."""
 

@@ -29,6 +29,16 @@ class Poly3(Model):
         """k1."""
         return ("k1",)
 
+    @property
+    def powers(self) -> tuple[int, ...]:
+        """2."""
+        return (2,)
+
+    @property
+    def next_powers(self) -> tuple[int, ...]:
+        """1, 3."""
+        return 1, 3
+
     def factor(self, r: Any, c: Any) -> Any:
         """1 − k1 + k1 r²."""
         return c[0] * r * r + (1.0 - c[0])

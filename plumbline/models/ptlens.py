@@ -30,6 +30,16 @@ class PTLens(Model):
         """a, b, c."""
         return "a", "b", "c"
 
+    @property
+    def powers(self) -> tuple[int, ...]:
+        """3, 2, 1."""
+        return 3, 2, 1
+
+    @property
+    def next_powers(self) -> tuple[int, ...]:
+        """4."""
+        return (4,)
+
     def factor(self, r: Any, c: Any) -> Any:
         """Value of a r³ + b r² + c r + 1 − a − b − c."""
         return ((c[0] * r + c[1]) * r + c[2]) * r + (1.0 - c[0] - c[1] - c[2])

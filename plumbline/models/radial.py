@@ -20,10 +20,10 @@ class Radial(Model):
     """r_ideal = r (1 + Σ aₙ rⁿ).
 
     Attributes:
-        powers: The powers n, rising; the coefficient of rⁿ is called `a<n>`.
+        exponents: The powers n, rising; the coefficient of rⁿ is called `a<n>`.
     """
 
-    powers: tuple[int, ...] = (2, 4, 6)
+    exponents: tuple[int, ...] = (2, 4, 6)
 
     name = "radial"
     direction = "observed to ideal"
@@ -34,17 +34,28 @@ class Radial(Model):
     @property
     def coefficients(self) -> tuple[str, ...]:
         """`a<n>` for every power n."""
-        return tuple(f"a{power}" for power in self.powers)
+        return tuple(f"a{power}" for power in self.exponents)
 
     @property
     def label(self) -> str:
         """`radial:` and the powers."""
-        return "radial:" + ",".join(str(power) for power in self.powers)
+        return "radial:" + ",".join(str(power) for power in self.exponents)
+
+    @property
+    def powers(self) -> tuple[int, ...]:
+        """The powers of the user's choice."""
+        return self.exponents
+
+    @property
+    def next_powers(self) -> tuple[int, ...]:
+        """The next even power after even ones alone, else the next."""
+        even = all(power % 2 == 0 for power in self.exponents)
+        return (self.exponents[-1] + (2 if even else 1),)
 
     def factor(self, r: Any, c: Any) -> Any:
         """1 + Σ aₙ rⁿ."""
-        return 1.0 + sum(c[i] * r**power for i, power in enumerate(self.powers))
+        return 1.0 + sum(c[i] * r**power for i, power in enumerate(self.exponents))
 
     def slope(self, r: Any, c: Any) -> Any:
         """1 + Σ (n + 1) aₙ rⁿ."""
-        return 1.0 + sum((power + 1) * c[i] * r**power for i, power in enumerate(self.powers))
+        return 1.0 + sum((power + 1) * c[i] * r**power for i, power in enumerate(self.exponents))

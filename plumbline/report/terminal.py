@@ -18,6 +18,8 @@ from plumbline.wording import count
 
 _MOST_LINES = 24
 _LEAST_WIDTH = 80
+_MOST_SUSPECTS = 12
+_TRUST = "correction", "line by line", "model"
 _KINDS = {
     "barrel": "Barrel distortion",
     "pincushion": "Pincushion distortion",
@@ -171,9 +173,5 @@ def _fit_sentences(made: Calibration) -> str:
         f"largest residual {made.largest_before_px:.2f} px before, {made.largest_after_px:.2f} px "
         "after",
     ]
-    if made.corner_error_px is not None:
-        out.append(
-            f"the correction is uncertain by {made.corner_error_px:.2g} px at the worst corner "
-            "(one standard error)"
-        )
+    out += [check.finding for check in made.checks if check.name in _TRUST and check.passed]
     return "\n".join(out)

@@ -1,0 +1,57 @@
+"""Which model is enough: the models side by side, and the one to take."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from plumbline.calibration import Calibration
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """One model fitted to the picks.
+
+    Attributes:
+        name: What was fitted, as in "ptlens b".
+        equals: Models that are the same in other words, as in "poly3".
+        model: Name of the model, for `--model`.
+        free: Its free coefficients, for `--free`.
+        calibration: The fit; None where there is none.
+        failure: Why there is none; else empty.
+        aicc: Akaike's information criterion for small samples (C. Hurvich and C.-L. Tsai 1989),
+            for residual contrasts after the line parameters.
+        left_out_px: Root mean square residual of lines that did not take part in the fit.
+        difference_px: Largest difference from the best row over the range of the picks, after
+            the best common scale and translation (homography with tangential terms).
+        fold_px: Radius at which the model folds inside the photo, or None.
+    """
+
+    name: str
+    equals: tuple[str, ...]
+    model: str
+    free: tuple[str, ...]
+    calibration: Calibration | None
+    failure: str = ""
+    aicc: float | None = None
+    left_out_px: float | None = None
+    difference_px: float | None = None
+    fold_px: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """All models, and the recommended one.
+
+    Attributes:
+        candidates: One row a model, simple ones first.
+        best: Index of the row with the smallest error on lines left out.
+        recommended: Index of the row to take.
+        reason: Why.
+        centre: What freeing the distortion centre would do, in a sentence.
+    """
+
+    candidates: tuple[Candidate, ...]
+    best: int
+    recommended: int
+    reason: str
+    centre: str = ""

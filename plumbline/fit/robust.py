@@ -1,0 +1,166 @@
+"""The robust fit: which picks are wrong, whatever they do to the plain fit.
+
+Bad picks hide each other: a plain fit bends towards them, and its residuals name a few of them
+and some good ones. The robust fit therefore begins robustly. Where the plain fit's lens leaves
+all picks on straight lines (`plumbline.fit.screening`), it is its own robust fit. Else lenses of
+the one-coefficient division model are tried over their whole range beside the plain one; that
+with the straightest halves of lines decides which picks are believed, the model is fitted to
+these, and lens and picks are decided in turn until nothing changes (re-weighting with weights 0
+and 1; P. Rousseeuw and A. Leroy, "Robust Regression and Outlier Detection", 1987).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plumbline.errors import DegenerateLinesError
+from plumbline.fit.oddities import bends, twins
+from plumbline.fit.problem import Problem, pixels_of_centre
+from plumbline.fit.screening import Picks, Screened, least_median_lines, picks_at, screen
+from plumbline.fit.solve import solve
+from plumbline.fit.task import Solution
+from plumbline.ideal import Ideal, stretch
+from plumbline.models import CENTRE, get_model
+from plumbline.straightness import line_numbers
+
+_MOST_ROUNDS = 10
+_MASKED = 0.8
+_BENDS = tuple(np.linspace(-0.97, 0.9, 48).tolist())
+_MOST_LINES = 64
+_LEAST_PX, _FAR_PX = 0.1, 1e6
+
+
+@dataclass(frozen=True, eq=False)
+class Robust:
+    """A robust fit.
+
+    Attributes:
+        problem: The problem, fitted to the picks that are believed.
+        solution: What the solver found.
+        picks: All picks under it.
+        screened: Where they lie.
+    """
+
+    problem: Problem
+    solution: Solution
+    picks: Picks
+    screened: Screened
+
+
+def robust_fits(problems: Sequence[Problem], solutions: Sequence[Solution]) -> list[Robust | None]:
+    """Robust fits of problems of one model.
+
+    Args:
+        problems: The problems, all picks kept.
+        solutions: Their plain fits.
+
+    Returns:
+        None where nothing is suspicious and the plain fit is the robust one.
+    """
+    picks = picks_at(problems, solutions)
+    screened = screen(picks)
+    spoiled = np.bincount(picks.problem, ~screened.kept, len(problems)) > 0
+    odd = _odd(picks, screened)
+    made: list[Robust | None] = []
+    for index, (problem, solution) in enumerate(zip(problems, solutions, strict=True)):
+        if spoiled[index]:
+            plain_px = float(np.sqrt(np.sum(solution.residual**2) / problem.dof))
+            masked = not screened.sigma_px[index] > _MASKED * plain_px
+            kept = screened.kept[picks.problem == index]
+            made.append(_fit(problem, solution, None if masked else kept))
+        elif odd[index]:
+            alone = picks_at([problem], [solution])
+            made.append(Robust(problem, solution, alone, screen(alone)))
+        else:
+            made.append(None)
+    return made
+
+
+def _odd(picks: Picks, screened: Screened) -> NDArray[np.bool_]:
+    """Which problems have lines that bend by themselves, or places picked twice."""
+    of_line = picks.problem[np.cumsum(picks.sizes) - picks.sizes]
+    along, _ = screened.lines.place(picks.ideal.uv, picks.line)
+    away = screened.distance_px
+    _, bent = bends(picks.line, along, away, screened.sigma_px[of_line])
+    odd = np.zeros(len(picks.n_free), dtype=np.bool_)
+    odd[of_line[bent]] = True
+    odd[picks.problem[twins(picks.line, along, away)[:, 0]]] = True
+    return odd
+
+
+def _fit(problem: Problem, plain: Solution, kept: NDArray[np.bool_] | None) -> Robust | None:
+    """Decide lens and picks in turn."""
+    if kept is None:
+        kept = _first_belief(problem, plain)
+    seen: list[NDArray[np.bool_]] = []
+    found: Robust | None = None
+    for _ in range(_MOST_ROUNDS):
+        if any(np.array_equal(kept, other) for other in seen):
+            break
+        seen.append(kept)
+        try:
+            believed = problem.keeping(kept)
+        except DegenerateLinesError:
+            return found
+        solution = solve(problem.model, believed.task)
+        picks = picks_at([problem], [solution])
+        screened = screen(picks)
+        found = Robust(believed, solution, picks, screened)
+        kept = screened.kept
+    return found
+
+
+def _first_belief(problem: Problem, plain: Solution) -> NDArray[np.bool_]:
+    """Which picks lie on straight lines under the best of many lenses."""
+    every = np.arange(len(problem.packed.sizes))
+    telling = _telling_lines(problem)
+    costs = [_cost(_bent(problem, bend, telling)) for bend in _BENDS]
+    best = _bent(problem, _BENDS[int(np.argmin(costs))], every)
+    plainly = picks_at([problem], [plain])
+    if not int(plain.folded) and _cost(_only(plainly, telling)) < min(costs):
+        best = plainly
+    return screen(best).kept
+
+
+def _bent(problem: Problem, bend: float, lines: NDArray[np.int64]) -> Picks:
+    """The picks of some lines under a lens of the division model."""
+    packed, unit_px = problem.packed, problem.blank.unit_px
+    held = np.array([problem.plan.start[name] for name in CENTRE])
+    observed = packed.unpack(packed.block.xy) - held / pixels_of_centre(problem.blank)[-2:]
+    c = (bend / float(np.max(np.sum(observed**2, axis=1))), 0.0)
+    observed = observed[np.isin(line_numbers(packed.sizes), lines)]
+    sizes = packed.sizes[lines]
+    ideal = observed / (1 + c[0] * np.sum(observed**2, axis=1))[:, None]
+    slopes = stretch(get_model("division"), c, observed, ideal)
+    one = np.zeros(len(observed), dtype=np.int64)
+    return Picks(Ideal(ideal * unit_px, slopes), sizes, line_numbers(sizes), one, np.array([1]))
+
+
+def _telling_lines(problem: Problem) -> NDArray[np.int64]:
+    """The lines that a lens bends most; all, unless they are many."""
+    sizes = problem.packed.sizes
+    if len(sizes) <= _MOST_LINES:
+        return np.arange(len(sizes))
+    points = problem.packed.unpack(problem.packed.block.xy)
+    first, last = points[np.cumsum(sizes) - sizes], points[np.cumsum(sizes) - 1]
+    length = np.hypot(*(last - first).T)
+    area = np.abs(first[:, 0] * last[:, 1] - first[:, 1] * last[:, 0])
+    return np.sort(np.argsort(-area * length)[:_MOST_LINES])
+
+
+def _cost(picks: Picks) -> float:
+    """How straight the better halves of lines are: Σ n log(median distance)."""
+    _, median = least_median_lines(picks.ideal, picks.sizes)
+    return float(np.sum(picks.sizes * np.log(np.minimum(median, _FAR_PX) + _LEAST_PX)))
+
+
+def _only(picks: Picks, lines: NDArray[np.int64]) -> Picks:
+    """The picks of some lines of one problem."""
+    wanted = np.isin(picks.line, lines)
+    sizes = picks.sizes[lines]
+    ideal = Ideal(picks.ideal.uv[wanted], picks.ideal.stretch[wanted])
+    return Picks(ideal, sizes, line_numbers(sizes), picks.problem[wanted], picks.n_free)

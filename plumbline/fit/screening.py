@@ -1,0 +1,220 @@
+"""Straight lines that wrong picks cannot move, and the picks that do not lie on them.
+
+For each line the pair of its picks with the least median distance of all its picks is found
+(P. Rousseeuw, "Least median of squares regression", 1984). From there lines are fitted by least
+squares to the picks within reach of them, with one σ for the whole photo that follows from these
+picks, until nothing changes. Many problems are screened in one go: everything runs over flat
+arrays of picks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plumbline.fit.problem import Problem
+from plumbline.fit.task import Solution
+from plumbline.frame import Array
+from plumbline.ideal import Ideal, stretch
+from plumbline.linearised import across_stretch
+from plumbline.straightness import Lines, fit_lines, line_numbers
+from plumbline.student import quantile
+
+_PAIRS = 28
+_CHUNK = 1 << 20
+_MOST_ROUNDS = 20
+_FINEST_PX = 0.01
+"""Nobody picks better than this; below, rounding is no reason for suspicion."""
+
+
+@dataclass(frozen=True, eq=False)
+class Picks:
+    """Picks of one or several problems under a lens each, problem after problem.
+
+    Attributes:
+        ideal: Where they are undistorted, in square pixels.
+        sizes: Number of picks of each line.
+        line: Line of each pick, counted over all problems.
+        problem: Problem of each pick.
+        n_free: Number of free coefficients of each problem.
+    """
+
+    ideal: Ideal
+    sizes: NDArray[np.int64]
+    line: NDArray[np.int64]
+    problem: NDArray[np.int64]
+    n_free: NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Screened:
+    """What screening found.
+
+    Attributes:
+        kept: Which picks lie on their lines, shape (n,).
+        sigma_px: σ of the kept picks of each problem, in pixels of the photograph.
+        lines: The lines through the kept picks.
+        distance_px: Signed distance of every pick from its line in the photograph, shape (n,).
+    """
+
+    kept: NDArray[np.bool_]
+    sigma_px: Array
+    lines: Lines
+    distance_px: Array
+
+
+def picks_at(problems: Sequence[Problem], solutions: Sequence[Solution]) -> Picks:
+    """The picks of problems of one model, undistorted by what the solver found."""
+    model = problems[0].model
+    counts = [len(problem.packed.cells) for problem in problems]
+    of_problem = np.repeat(np.arange(len(problems)), counts)
+    units = np.array([problem.blank.unit_px for problem in problems])[of_problem, None]
+    found = np.stack([solution.coefficients for solution in solutions])[of_problem]
+    observed = np.concatenate([p.packed.unpack(p.packed.block.xy) for p in problems])
+    ideal = np.stack(
+        [
+            np.concatenate([p.packed.unpack(v) for p, v in zip(problems, values, strict=True)])
+            for values in ([s.u for s in solutions], [s.v for s in solutions])
+        ],
+        axis=1,
+    )
+    slopes = stretch(model, found[:, :-2].T, observed - found[:, -2:], ideal)
+    sizes = np.concatenate([problem.packed.sizes for problem in problems])
+    n_free = np.array([len(problem.plan.free) for problem in problems])
+    return Picks(Ideal(ideal * units, slopes), sizes, line_numbers(sizes), of_problem, n_free)
+
+
+def screen(picks: Picks) -> Screened:
+    """Find the picks that lie on straight lines with the others."""
+    lines, _ = least_median_lines(picks.ideal, picks.sizes)
+    distance_px = _distances(picks, lines)
+    sigma_px = _first_sigma(picks, np.abs(distance_px))
+    kept = np.isfinite(distance_px)
+    leverage = np.zeros(len(kept))
+    for _ in range(_MOST_ROUNDS):
+        reach = _reach(picks, kept)[picks.problem]
+        room = np.where(kept, np.maximum(1 - leverage, 0.05), 1 + leverage)
+        before, kept = kept, np.abs(distance_px) < reach * sigma_px[picks.problem] * np.sqrt(room)
+        kept &= (np.bincount(picks.line, kept, len(picks.sizes)) >= 2)[picks.line]
+        lines = fit_lines(picks.ideal.uv, picks.line, len(picks.sizes), kept.astype(np.float64))
+        distance_px = _distances(picks, lines)
+        along, _ = lines.place(picks.ideal.uv, picks.line)
+        spread = np.where(lines.spread > 0, lines.spread, np.inf)[picks.line]
+        leverage = 1 / np.maximum(lines.count, 1.0)[picks.line] + along**2 / spread
+        sigma_px = _sigma(picks, kept, distance_px)
+        if np.array_equal(kept, before):
+            break
+    return Screened(kept, sigma_px, lines, distance_px)
+
+
+def least_median_lines(ideal: Ideal, sizes: NDArray[np.int64]) -> tuple[Lines, Array]:
+    """For every line that through the pair of its picks with the least median distance.
+
+    Args:
+        ideal: The picks, line after line.
+        sizes: Number of picks of each line.
+
+    Returns:
+        The lines, and the median distance of each in pixels of the photograph, shape (l,).
+    """
+    starts = np.cumsum(sizes) - sizes
+    area = np.abs(np.linalg.det(ideal.stretch))
+    scale = np.sqrt(np.where(area > 0, area, np.inf))
+    origin, along = np.zeros((len(sizes), 2)), np.zeros((len(sizes), 2))
+    median = np.zeros(len(sizes))
+    for size in np.unique(sizes):
+        members = np.flatnonzero(sizes == size)
+        step = max(1, _CHUNK // (int(size) * _PAIRS))
+        for first in range(0, len(members), step):
+            chosen = members[first : first + step]
+            rows = starts[chosen, None] + np.arange(size)
+            found = _least_median(ideal.uv[rows], scale[rows])
+            origin[chosen], along[chosen], median[chosen] = found
+    return Lines(origin, along, sizes.astype(np.float64), np.ones(len(sizes))), median
+
+
+def _least_median(uv: Array, scale: Array) -> tuple[Array, Array, Array]:
+    """The same for lines of one size: shapes (l, n, 2) and (l, n)."""
+    n = uv.shape[1]
+    first, second = _pairs(n)
+    origin = uv[:, first]
+    along = uv[:, second] - origin
+    length = np.hypot(along[..., 0], along[..., 1])
+    along = along / np.where(length > 0, length, np.nan)[..., None]
+    x = uv[:, None, :, 0] - origin[:, :, None, 0]
+    y = uv[:, None, :, 1] - origin[:, :, None, 1]
+    distance = np.abs(along[:, :, None, 0] * y - along[:, :, None, 1] * x) / scale[:, None]
+    middle = n // 2
+    medians = np.partition(np.where(np.isnan(distance), np.inf, distance), middle, axis=2)
+    medians = medians[:, :, middle]
+    best = np.argmin(medians, axis=1)
+    each = np.arange(len(uv))
+    along = np.where(np.isfinite(along[each, best]), along[each, best], 0.0)
+    return np.nan_to_num(origin[each, best]), along, medians[each, best]
+
+
+@cache
+def _pairs(n: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Pairs of picks to draw lines through: all of few, else some that lie well apart."""
+    first, second = np.triu_indices(n, 1)
+    if len(first) > _PAIRS:
+        far = second - first >= n / 3
+        first, second = first[far], second[far]
+        some = np.random.default_rng(n).permutation(len(first))[:_PAIRS]
+        first, second = first[some], second[some]
+    return first, second
+
+
+def _distances(picks: Picks, lines: Lines) -> Array:
+    """Distances in the photograph; infinite beyond the fold of the model."""
+    _, distance = lines.place(picks.ideal.uv, picks.line)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        image = distance / across_stretch(picks.ideal, lines.across[picks.line])
+    return np.where(np.isfinite(image), image, np.inf)
+
+
+def _first_sigma(picks: Picks, distance_px: Array) -> Array:
+    """σ from the middle of the distances, the two picks that make each line left aside."""
+    n_problems = len(picks.n_free)
+    order = np.lexsort((distance_px, picks.problem))
+    counts = np.bincount(picks.problem, minlength=n_problems)
+    firsts = np.searchsorted(picks.problem, np.arange(n_problems))
+    lines_of = np.bincount(
+        picks.problem[np.cumsum(picks.sizes) - picks.sizes], minlength=n_problems
+    )
+    rank = np.minimum(2 * lines_of + (counts - 2 * lines_of) // 2, counts - 1)
+    middle = distance_px[order[firsts + rank]]
+    return np.maximum(np.where(np.isfinite(middle), 1.4826 * middle, np.inf), _FINEST_PX)
+
+
+def _sigma(picks: Picks, kept: NDArray[np.bool_], distance_px: Array) -> Array:
+    square = np.where(kept, distance_px, 0.0) ** 2
+    total = np.bincount(picks.problem, square, len(picks.n_free))
+    return np.maximum(np.sqrt(total / _dof(picks, kept)), _FINEST_PX)
+
+
+def _dof(picks: Picks, kept: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Degrees of freedom of each problem, at least 1."""
+    n_problems = len(picks.n_free)
+    counts = np.bincount(picks.problem[kept], minlength=n_problems)
+    used = np.bincount(picks.line[kept], minlength=len(picks.sizes)) > 0
+    of_line = picks.problem[np.cumsum(picks.sizes) - picks.sizes]
+    lines = np.bincount(of_line[used], minlength=n_problems)
+    return np.maximum(counts - 2 * lines - picks.n_free, 1)
+
+
+def _reach(picks: Picks, kept: NDArray[np.bool_]) -> Array:
+    """How many σ a pick may lie from its line: one good pick in 2,000 lies farther, or fewer."""
+    counts = np.bincount(picks.problem, minlength=len(picks.n_free)).tolist()
+    every = zip(_dof(picks, kept).tolist(), counts, strict=True)
+    return np.array([reach(dof, count) for dof, count in every])
+
+
+@cache
+def reach(dof: int, n: int) -> float:
+    """The studentised residual that a pick is suspicious beyond."""
+    return quantile(1 - min(5e-4, 0.1 / n) / 2, max(dof - 1, 1))

@@ -1,0 +1,116 @@
+"""How far a calibration can be trusted beyond its standard errors.
+
+Standard errors hold for independent picking errors on straight edges. Edges are never perfectly
+straight, and then the picks of one line err together; the line-by-line jackknife (J. Tukey 1958;
+for least squares with groups R. Bell and D. McCaffrey 2002) sees that, since it asks how much
+the result depends on each line. What neither sees is a model that cannot follow the lens: one
+more power of r shows how far that would move the correction.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plumbline.displacement import grid_px, motions
+from plumbline.frame import Array
+from plumbline.lens import Lens
+from plumbline.linearised import Linearised
+
+QUOTED = 1.5
+"""How many times larger the jackknife's error must be to be the one to quote."""
+
+
+@dataclass(frozen=True, eq=False)
+class Jackknife:
+    """What leaving out one line after the other says.
+
+    Attributes:
+        covariance: Of the free coefficients, shape (k, k).
+        shifts: Change of the coefficients without each line, shape (l, k); lines of which no pick
+            was kept are not among them.
+        lines: Which lines were left out, shape (l,).
+    """
+
+    covariance: Array
+    shifts: Array
+    lines: NDArray[np.int64]
+
+    @property
+    def dof(self) -> int:
+        """Degrees of freedom: lines − 1."""
+        return len(self.lines) - 1
+
+
+def jackknife(linear: Linearised) -> Jackknife | None:
+    """Leave one line out after the other, in one Gauss–Newton step each.
+
+    Returns:
+        None if some line is needed to determine the coefficients at all.
+    """
+    shifts = linear.without_each_line()
+    if shifts is None:
+        return None
+    used = np.unique(linear.line[linear.kept])
+    if len(used) < 2:
+        return None
+    shifts = shifts[used]
+    away = shifts - shifts.mean(axis=0)
+    share = (len(used) - 1) / len(used)
+    return Jackknife(share * away.T @ away, shifts, used)
+
+
+@dataclass(frozen=True)
+class ModelError:
+    """How far a richer model would move the correction.
+
+    Attributes:
+        largest_px: The largest difference over the photo.
+        error_px: Its own standard error.
+        names: What the richer model adds.
+    """
+
+    largest_px: float
+    error_px: float
+    names: str
+
+
+def model_error(
+    lens: Lens, free: tuple[str, ...], linear: Linearised, sigma_px: float
+) -> ModelError | None:
+    """The largest difference to the next richer model over the photo.
+
+    One Gauss–Newton step with the terms of `richer_powers` added.
+
+    Returns:
+        None where the picks cannot tell the added terms, or the model folds inside the photo.
+    """
+    powers = lens.model.richer(free)
+    points = grid_px(lens)
+    moved = motions(lens, free, points, powers)
+    if moved is None:
+        return None
+    design = np.concatenate((linear.jacobian, linear.extra), axis=1)[linear.kept]
+    scale = np.sqrt(np.sum(design**2, axis=0))
+    if len(design) <= design.shape[1] or np.any(scale <= 0):
+        return None
+    values, vectors = np.linalg.eigh((design / scale).T @ (design / scale))
+    if values[0] <= 1e-12:
+        return None
+    unit = (vectors / values) @ vectors.T / np.outer(scale, scale)
+    step = -unit @ (design.T @ linear.residual_px[linear.kept])
+    k = linear.jacobian.shape[1]
+    # What the added terms move, beyond what the coefficients there are would have been anyway.
+    narrow = -np.linalg.pinv(linear.normal) @ (
+        linear.jacobian[linear.kept].T @ linear.residual_px[linear.kept]
+    )
+    shift = np.einsum("nik,k->ni", moved, step) - np.einsum("nik,k->ni", moved[:, :, :k], narrow)
+    size = np.hypot(*shift.T)
+    worst = int(np.argmax(size))
+    extra = unit[:, k:] @ np.linalg.inv(unit[k:, k:])
+    effect = moved[worst] @ extra
+    variance = np.trace(effect @ (sigma_px**2 * unit[k:, k:]) @ effect.T)
+    added = " and ".join(f"r^{power}" for power in powers)
+    return ModelError(float(size[worst]), float(np.sqrt(variance)), added)

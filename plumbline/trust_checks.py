@@ -1,0 +1,124 @@
+"""Is the result to be trusted? Checks of a finished fit, each with its remedy."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from plumbline.checks import Check
+from plumbline.next_line import next_line
+from plumbline.wording import count, px
+
+if TYPE_CHECKING:
+    from plumbline.calibration import Calibration
+
+_CONDITION = 300.0
+_LEAST_PX = 1.0
+_WORTH = 0.9
+_SIGNIFICANT = 2.5
+_MATTERS_PX = 0.1
+
+
+def after_fit(made: Calibration) -> tuple[Check, ...]:
+    """What can be said of picks and lens once they are fitted."""
+    found = (_condition(made), _correction(made), _steady(made), _model(made), _suspects(made))
+    return tuple(check for check in found if check is not None)
+
+
+def _condition(made: Calibration) -> Check:
+    normal = made.linearised.normal
+    scale = np.sqrt(np.diag(normal))
+    values = np.linalg.eigvalsh(normal / np.outer(scale, scale))
+    number = float(np.sqrt(values[-1] / max(float(values[0]), 1e-300)))
+    finding = f"condition number of the problem {number:,.0f}"
+    if number <= _CONDITION:
+        return Check("condition", True, finding)
+    remedy = (
+        "the free coefficients can hardly be told apart; pick lines at other distances from the "
+        "centre, or free fewer"
+    )
+    return Check("condition", False, finding, remedy)
+
+
+def _correction(made: Calibration) -> Check:
+    sure = made.quoted_displacement
+    if sure is None:
+        return Check(
+            "correction",
+            False,
+            "the model folds inside the photo, so that the error of the correction is not known",
+            "free fewer coefficients, or pick lines closer to the corners",
+        )
+    x, y = sure.worst_at
+    finding = (
+        f"the correction is uncertain by {px(sure.worst_px)} at ({x:.0f}, {y:.0f}), where it is "
+        "worst (one standard error)"
+    )
+    more = next_line(made)
+    advice = ""
+    if more is not None and more.to_px < _WORTH * more.from_px:
+        lower = sure.worst_px * more.to_px / more.from_px
+        advice = f"one more line {more.place} would lower that to about {px(lower)}"
+    if sure.worst_px <= max(_LEAST_PX, abs(made.finding.corner_px) / 3):
+        return Check("correction", True, f"{finding}; {advice}" if advice else finding)
+    return Check("correction", False, finding, advice or "pick more lines, nearer to the corners")
+
+
+def _steady(made: Calibration) -> Check | None:
+    sure, wide = made.displacement, made.jackknife_displacement
+    if sure is None:
+        return None
+    if wide is None:
+        return Check(
+            "line by line",
+            False,
+            "there is a line without which the others do not determine the lens, so that errors "
+            "common to the picks of one line cannot be seen",
+            "pick more lines",
+        )
+    ratio = wide.worst_px / sure.worst_px if sure.worst_px > 0 else 1.0
+    if not made.quotes_jackknife:
+        return Check(
+            "line by line",
+            True,
+            f"leaving out one line at a time says {px(wide.worst_px)}, {ratio:.1f} times what "
+            "independent picking errors make",
+        )
+    return Check(
+        "line by line",
+        False,
+        f"leaving out one line at a time, the correction is uncertain by {px(wide.worst_px)}, "
+        f"{ratio:.1f} times what independent picking errors would make ({px(sure.worst_px)})",
+        f"edges are not quite straight, or few lines carry the result; quote {px(wide.worst_px)}",
+    )
+
+
+def _model(made: Calibration) -> Check | None:
+    more = made.model_error
+    if more is None:
+        return None
+    finding = (
+        f"a richer model (with {more.names}) would move the correction by up to "
+        f"{px(more.largest_px)} (± {px(more.error_px)})"
+    )
+    if more.largest_px <= max(_SIGNIFICANT * more.error_px, _MATTERS_PX):
+        return Check("model", True, finding)
+    return Check("model", False, finding, "see plumbline compare")
+
+
+def _suspects(made: Calibration) -> Check:
+    out = sum(len(suspect.picks) for suspect in made.suspects if suspect.left_out)
+    odd = sum(not suspect.left_out for suspect in made.suspects)
+    n_points = made.observations.n_points
+    if not made.suspects:
+        return Check("suspects", True, f"none of the {count(n_points, 'pick')} is suspicious")
+    if made.robust:
+        finding = f"{count(out, 'pick')} of {n_points:,} left out as suspicious"
+        remedy = "look at each of them"
+    else:
+        finding = f"{count(out, 'pick')} of {n_points:,} {'is' if out == 1 else 'are'} suspicious"
+        remedy = "look at them, or leave them out with --robust"
+    if odd:
+        finding += f", and {count(odd, 'other oddity' if odd == 1 else 'other odditie')}"
+    return Check("suspects", False, finding, remedy)
