@@ -17,7 +17,7 @@ from plumbline.errors import UnsettledError
 from plumbline.finding import Finding, find
 from plumbline.frame import Array
 from plumbline.lens import Lens
-from plumbline.linearised import Linearised, linearise
+from plumbline.linearised import Linearised, in_frame, linearise
 from plumbline.notes import notes_on
 from plumbline.observations import Observations
 from plumbline.straightness import straightness_before
@@ -181,15 +181,9 @@ class Calibration:
     @cached_property
     def linearised(self) -> Linearised:
         """Residuals and their derivatives, from which all that follows is computed."""
-        frame = self.lens.frame
-        frames = [photo.frame for photo in self.observations.photos]
         return linearise(
             self.lens,
-            # An upright photo among sideways ones is measured from its own centre.
-            [
-                frame.to_pixels(frames[line.photo].normalise(line.points_px, 1.0), 1.0)
-                for line in self.observations.lines
-            ],
+            in_frame(self.observations, self.lens.frame),
             self.free,
             np.concatenate(self.kept),
             image=self.residual == "image",

@@ -14,9 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from plumbline.frame import Array
+from plumbline.frame import Array, Frame
 from plumbline.ideal import Ideal, by_coefficients, by_powers, undistorted
 from plumbline.lens import Lens
+from plumbline.observations import Observations
 from plumbline.straightness import Lines, fit_lines, line_numbers
 
 _SINGULAR = 1e-12
@@ -101,6 +102,15 @@ class Linearised:
         """Residuals that kept picks would have, had their line not taken part, shape (n,)."""
         moved = np.einsum("nk,nk->n", self.jacobian, shifts[self.line])
         return np.where(self.kept, self.residual_px + moved, 0.0)
+
+
+def in_frame(observations: Observations, frame: Frame) -> list[Array]:
+    """Picks of every line in the pixels of one frame; photos turned otherwise share its centre."""
+    frames = [photo.frame for photo in observations.photos]
+    return [
+        frame.to_pixels(frames[line.photo].normalise(line.points_px, 1.0), 1.0)
+        for line in observations.lines
+    ]
 
 
 def linearise(

@@ -5,8 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-Kind = Literal["stray", "other line", "exchanged", "duplicate", "bent line"]
-KINDS: tuple[Kind, ...] = ("stray", "other line", "exchanged", "duplicate", "bent line")
+Kind = Literal["stray", "other line", "exchanged", "duplicate", "bent line", "no line"]
+KINDS: tuple[Kind, ...] = (
+    "stray",
+    "other line",
+    "exchanged",
+    "duplicate",
+    "bent line",
+    "no line",
+)
 
 
 @dataclass(frozen=True)
@@ -15,10 +22,11 @@ class Suspect:
 
     Attributes:
         line: Index of its line.
-        picks: Which of the line's picks, counted from 0; all of them for a bent line.
+        picks: Which of the line's picks, counted from 0.
         kind: "stray", a pick on no line; "other line", it lies on another one; "exchanged", two
             picks have changed lines; "duplicate", two picks of one place; "bent line", an edge
-            that was not straight.
+            that was not straight; "no line", what is left of a line of which no more than half
+            lies on one straight line, so that nobody can say which half is wrong.
         residual_px: Its distance from its line under the robust fit; the bend of a bent line.
         studentised: The same in units of its own standard deviation.
         left_out: Whether a robust fit leaves it out.

@@ -12,23 +12,41 @@ and 1; P. Rousseeuw and A. Leroy, "Robust Regression and Outlier Detection", 198
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import comb
 
 import numpy as np
 from numpy.typing import NDArray
 
 from plumbline.errors import DegenerateLinesError
 from plumbline.fit.oddities import bends, twins
+from plumbline.fit.outcome import lens_of
 from plumbline.fit.problem import Problem, pixels_of_centre
-from plumbline.fit.screening import Picks, Screened, least_median_lines, picks_at, screen
+from plumbline.fit.screening import (
+    FINEST_PX,
+    Picks,
+    Screened,
+    distance_from,
+    least_median_lines,
+    picks_at,
+    reach,
+    screen,
+    within,
+)
 from plumbline.fit.solve import solve
 from plumbline.fit.task import Solution
 from plumbline.ideal import Ideal, stretch
+from plumbline.linearised import in_frame, linearise
 from plumbline.models import CENTRE, get_model
 from plumbline.straightness import line_numbers
 
-_MOST_ROUNDS = 10
-_MASKED = 0.8
+_MOST_ROUNDS = 12
+_SAME = 5.0
+_CHANCE = 0.05
+_MASKED, _WILD = 0.8, 1 / 300
+"""Below this share of the plain fit's σ̂ the believed picks' own, or above this share of R the
+plain fit's, bad picks may be hiding each other.
+"""
 _BENDS = tuple(np.linspace(-0.97, 0.9, 48).tolist())
 _MOST_LINES = 64
 _LEAST_PX, _FAR_PX = 0.1, 1e6
@@ -67,9 +85,10 @@ def robust_fits(problems: Sequence[Problem], solutions: Sequence[Solution]) -> l
     odd = _odd(picks, screened)
     made: list[Robust | None] = []
     for index, (problem, solution) in enumerate(zip(problems, solutions, strict=True)):
-        if spoiled[index]:
-            plain_px = float(np.sqrt(np.sum(solution.residual**2) / problem.dof))
-            masked = not screened.sigma_px[index] > _MASKED * plain_px
+        plain_px = float(np.sqrt(np.sum(solution.residual**2) / problem.dof))
+        wild = not plain_px < _WILD * problem.blank.frame.radius_px
+        if spoiled[index] or wild:
+            masked = wild or not screened.sigma_px[index] > _MASKED * plain_px
             kept = screened.kept[picks.problem == index]
             made.append(_fit(problem, solution, None if masked else kept))
         elif odd[index]:
@@ -98,9 +117,12 @@ def _fit(problem: Problem, plain: Solution, kept: NDArray[np.bool_] | None) -> R
         kept = _first_belief(problem, plain)
     seen: list[NDArray[np.bool_]] = []
     found: Robust | None = None
-    for _ in range(_MOST_ROUNDS):
+    settled = False
+    while len(seen) < _MOST_ROUNDS:
         if any(np.array_equal(kept, other) for other in seen):
-            break
+            if settled:
+                break
+            settled, seen = True, []
         seen.append(kept)
         try:
             believed = problem.keeping(kept)
@@ -109,9 +131,58 @@ def _fit(problem: Problem, plain: Solution, kept: NDArray[np.bool_] | None) -> R
         solution = solve(problem.model, believed.task)
         picks = picks_at([problem], [solution])
         screened = screen(picks)
+        if settled:
+            screened = replace(screened, kept=_by_leverage(believed, solution))
         found = Robust(believed, solution, picks, screened)
-        kept = screened.kept
+        kept = screened.kept & ~_lost(picks, screened)[picks.line]
     return found
+
+
+def _by_leverage(believed: Problem, solution: Solution) -> NDArray[np.bool_]:
+    """Which picks lie within reach, with what each of them does to line and lens allowed for.
+
+    A pick at the end of an outer line draws the lens after it and hides its own error; this shows
+    once the rest is good.
+    """
+    lens, free = lens_of(believed, solution), believed.plan.free
+    lines_px = in_frame(believed.observations, lens.frame)
+    linear = linearise(lens, lines_px, free, believed.kept, image=True)
+    square = float(np.sum(linear.residual_px[linear.kept] ** 2))
+    sigma_px = max(float(np.sqrt(square / believed.dof)), FINEST_PX)
+    return np.abs(linear.studentised(sigma_px)) < reach(believed.dof, len(linear.line))
+
+
+def _lost(picks: Picks, screened: Screened) -> NDArray[np.bool_]:
+    """Lines that nothing can be learnt from.
+
+    So few picks agree that they may do so by chance, or most lie on another line and some do not.
+    """
+    n = len(picks.sizes)
+    counts = np.bincount(picks.line, screened.kept, n)
+    lost = counts < 3
+    for line in np.flatnonzero(2 * counts <= picks.sizes).tolist():
+        lost[line] |= _by_chance(picks, screened, line) > _CHANCE
+    for line in np.flatnonzero(~lost & (counts + 3 <= picks.sizes)).tolist():
+        mine = np.flatnonzero((picks.line == line) & screened.kept)
+        for other in np.flatnonzero(~lost & (counts >= counts[line])).tolist():
+            if other == line:
+                continue
+            away = distance_from(picks, mine, screened.lines, other)
+            near = within(screened.lines, picks.ideal.uv[mine], other)
+            if np.all(near & (away < _SAME * screened.sigma_px[0])):
+                lost[line] = True
+                break
+    return lost
+
+
+def _by_chance(picks: Picks, screened: Screened, line: int) -> float:
+    """How many lines through as many of this line's picks chance would make, at the most."""
+    mine = picks.line == line
+    away, kept = np.abs(screened.distance_px), mine & screened.kept
+    close = max(float(np.max(away[kept], initial=0.0)), float(screened.sigma_px[0]))
+    share = min(1.0, close / float(np.median(away[mine & ~kept])))
+    agreeing = int(np.count_nonzero(kept))
+    return comb(int(picks.sizes[line]), agreeing) * share ** (agreeing - 2)
 
 
 def _first_belief(problem: Problem, plain: Solution) -> NDArray[np.bool_]:

@@ -27,7 +27,8 @@ from plumbline.student import quantile
 _PAIRS = 28
 _CHUNK = 1 << 20
 _MOST_ROUNDS = 20
-_FINEST_PX = 0.01
+_BEYOND = 2.5
+FINEST_PX = 0.01
 """Nobody picks better than this; below, rounding is no reason for suspicion."""
 
 
@@ -169,6 +170,23 @@ def _pairs(n: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     return first, second
 
 
+def distance_from(picks: Picks, which: NDArray[np.int64], lines: Lines, other: int) -> Array:
+    """Distances of some picks from one line in the photograph, without sign."""
+    line = np.full(len(which), other)
+    _, across = lines.place(picks.ideal.uv[which], line)
+    ideal = Ideal(picks.ideal.uv[which], picks.ideal.stretch[which])
+    with np.errstate(invalid="ignore", divide="ignore"):
+        image = np.abs(across) / across_stretch(ideal, lines.across[line])
+    return np.where(np.isfinite(image), image, np.inf)
+
+
+def within(lines: Lines, uv: Array, other: int) -> NDArray[np.bool_]:
+    """Which points lie along the stretch of photo that a line was picked in, or a little beyond."""
+    along, _ = lines.place(uv, np.full(len(uv), other))
+    spread = np.sqrt(lines.spread[other] / max(float(lines.count[other]), 1.0))
+    return np.abs(along) <= _BEYOND * spread
+
+
 def _distances(picks: Picks, lines: Lines) -> Array:
     """Distances in the photograph; infinite beyond the fold of the model."""
     _, distance = lines.place(picks.ideal.uv, picks.line)
@@ -188,13 +206,13 @@ def _first_sigma(picks: Picks, distance_px: Array) -> Array:
     )
     rank = np.minimum(2 * lines_of + (counts - 2 * lines_of) // 2, counts - 1)
     middle = distance_px[order[firsts + rank]]
-    return np.maximum(np.where(np.isfinite(middle), 1.4826 * middle, np.inf), _FINEST_PX)
+    return np.maximum(np.where(np.isfinite(middle), 1.4826 * middle, np.inf), FINEST_PX)
 
 
 def _sigma(picks: Picks, kept: NDArray[np.bool_], distance_px: Array) -> Array:
     square = np.where(kept, distance_px, 0.0) ** 2
     total = np.bincount(picks.problem, square, len(picks.n_free))
-    return np.maximum(np.sqrt(total / _dof(picks, kept)), _FINEST_PX)
+    return np.maximum(np.sqrt(total / _dof(picks, kept)), FINEST_PX)
 
 
 def _dof(picks: Picks, kept: NDArray[np.bool_]) -> NDArray[np.int64]:

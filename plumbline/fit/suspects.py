@@ -13,15 +13,12 @@ from numpy.typing import NDArray
 from plumbline.calibration import Calibration
 from plumbline.fit.oddities import bends, twins
 from plumbline.fit.robust import Robust
-from plumbline.fit.screening import reach
+from plumbline.fit.screening import Picks, distance_from, reach, within
 from plumbline.frame import Array
-from plumbline.ideal import Ideal
-from plumbline.linearised import Linearised, across_stretch
+from plumbline.linearised import Linearised
 from plumbline.straightness import Lines
 from plumbline.suspect import Kind, Suspect
-
-_BEYOND = 2.5
-"""How far beyond a line's own spread a pick may lie along it and still belong to it."""
+from plumbline.wording import count
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +28,7 @@ class _Scene:
     Attributes:
         made: Its calibration.
         linear: The same, linearised.
-        ideal: All picks undistorted.
+        picks: All picks undistorted.
         lines: Lines through the kept ones.
         starts: First pick of each line.
         studentised: Residuals in units of their standard deviations.
@@ -40,7 +37,7 @@ class _Scene:
 
     made: Calibration
     linear: Linearised
-    ideal: Ideal
+    picks: Picks
     lines: Lines
     starts: NDArray[np.int64]
     studentised: Array
@@ -73,7 +70,7 @@ def suspects_of(made: Calibration, found: Robust) -> tuple[Suspect, ...]:
     scene = _Scene(
         made,
         linear,
-        found.picks.ideal,
+        found.picks,
         found.screened.lines,
         np.searchsorted(linear.line, np.arange(linear.n_lines)),
         linear.studentised(made.sigma_px),
@@ -83,18 +80,30 @@ def suspects_of(made: Calibration, found: Robust) -> tuple[Suspect, ...]:
     sigma_px = np.full(linear.n_lines, made.sigma_px)
     bend_px, bent = bends(linear.line, linear.along_px, linear.image_px, sigma_px)
     away = {int(n): _other_line(scene, int(n)) for n in np.flatnonzero(~kept)}
-    wrong = [_wrong_pick(scene, number, away, bool(bent[linear.line[number]])) for number in away]
+    lost = [line for line, which in enumerate(made.kept) if not which.any()]
+    unclear = {n for n, there in away.items() if there is None and linear.line[n] in lost}
+    wrong = [
+        _wrong_pick(scene, number, away, on_bent=bool(bent[linear.line[number]]))
+        for number in away
+        if number not in unclear
+    ]
+    rests = [_lost_line(scene, line, unclear) for line in lost]
     whole = [
         _bent_line(scene, line, float(bend_px[line]))
         for line in np.flatnonzero(bent).tolist()
         if made.kept[line].all()
     ]
     pairs = twins(linear.line, linear.along_px, linear.image_px)
-    return (*wrong, *whole, *(_twins(scene, one, two) for one, two in pairs.tolist()))
+    return (
+        *wrong,
+        *filter(None, rests),
+        *whole,
+        *(_twins(scene, one, two) for one, two in pairs.tolist()),
+    )
 
 
 def _wrong_pick(
-    scene: _Scene, number: int, away: dict[int, tuple[int, float] | None], on_bent: bool
+    scene: _Scene, number: int, away: dict[int, tuple[int, float] | None], *, on_bent: bool
 ) -> Suspect:
     line, place = scene.place(number)
     residual_px = abs(float(scene.linear.image_px[number]))
@@ -124,18 +133,34 @@ def _on(scene: _Scene, number: int, line: int) -> bool:
 
 def _other_line(scene: _Scene, number: int) -> tuple[int, float] | None:
     """The line that a pick lies on, if it is another one, and its distance from that."""
-    lines, n = scene.lines, len(scene.lines.count)
-    uv = np.broadcast_to(scene.ideal.uv[number], (n, 2))
-    stretch = np.broadcast_to(scene.ideal.stretch[number], (n, 2, 2))
-    along, across = lines.place(uv, np.arange(n))
-    away = np.abs(across) / across_stretch(Ideal(uv, stretch), lines.across)
     own = int(scene.linear.line[number])
-    photos = np.array([line.photo for line in scene.made.observations.lines])
-    near = np.abs(along) <= _BEYOND * np.sqrt(lines.spread / np.maximum(lines.count, 1.0))
-    near &= (lines.count >= 3) & (photos == photos[own]) & (np.arange(n) != own)
-    away = np.where(near & np.isfinite(away), away, np.inf)
-    best = int(np.argmin(away))
-    return (best, float(away[best])) if away[best] <= scene.within_px else None
+    photos = [line.photo for line in scene.made.observations.lines]
+    which = np.array([number])
+    best: tuple[int, float] | None = None
+    for other in np.flatnonzero(scene.lines.count >= 3).tolist():
+        uv = scene.picks.ideal.uv[which]
+        if other == own or photos[other] != photos[own] or not within(scene.lines, uv, other)[0]:
+            continue
+        away = float(distance_from(scene.picks, which, scene.lines, other)[0])
+        if away <= scene.within_px and (best is None or away < best[1]):
+            best = other, away
+    return best
+
+
+def _lost_line(scene: _Scene, line: int, unclear: set[int]) -> Suspect | None:
+    rows = sorted(number for number in unclear if scene.place(number)[0] == line)
+    if not rows:
+        return None
+    return Suspect(
+        line,
+        tuple(scene.place(number)[1] for number in rows),
+        "no line",
+        float(np.max(np.abs(scene.linear.image_px[rows]))),
+        float(np.max(np.abs(scene.studentised[rows]))),
+        True,
+        f"{count(len(rows), 'pick')} of {scene.name(line)} left out: no more than half of its picks "
+        "lie on one straight line of their own",
+    )
 
 
 def _bent_line(scene: _Scene, line: int, bend_px: float) -> Suspect:
