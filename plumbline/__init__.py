@@ -19,6 +19,8 @@ from plumbline._version import __version__
 
 if TYPE_CHECKING:
     from plumbline.calibration import Calibration
+    from plumbline.checks import Check
+    from plumbline.comparison import Candidate, Comparison
     from plumbline.errors import (
         CollapsedFitError,
         DegenerateLinesError,
@@ -31,7 +33,9 @@ if TYPE_CHECKING:
         WriteError,
     )
     from plumbline.facts import LensFacts
+    from plumbline.fit.bootstrap import bootstrap
     from plumbline.fit.calibrate import calibrate, calibrate_many
+    from plumbline.fit.compare import compare
     from plumbline.formats.known import FORMATS
     from plumbline.frame import Frame
     from plumbline.imaging.batch import Outcome, correct_many
@@ -40,6 +44,7 @@ if TYPE_CHECKING:
     from plumbline.models import MODELS, get_model
     from plumbline.observations import Line, Observations, Photo
     from plumbline.reading import join, read, read_calibration, read_calibrations
+    from plumbline.suspect import Suspect
     from plumbline.writing import write, write_points
 
 _HOMES = {
@@ -55,6 +60,11 @@ _HOMES = {
         "UnsupportedModelError",
         "WriteError",
     ),
+    "plumbline.comparison": ("Candidate", "Comparison"),
+    "plumbline.fit.bootstrap": ("bootstrap",),
+    "plumbline.fit.compare": ("compare",),
+    "plumbline.suspect": ("Suspect",),
+    "plumbline.checks": ("Check",),
     "plumbline.fit.calibrate": ("calibrate", "calibrate_many"),
     "plumbline.formats.known": ("FORMATS",),
     "plumbline.frame": ("Frame",),
@@ -73,7 +83,10 @@ __all__ = [
     "FORMATS",
     "MODELS",
     "Calibration",
+    "Candidate",
+    "Check",
     "CollapsedFitError",
+    "Comparison",
     "Corrected",
     "DegenerateLinesError",
     "FoldedError",
@@ -87,12 +100,15 @@ __all__ = [
     "Photo",
     "PlumblineError",
     "ReadError",
+    "Suspect",
     "UnsettledError",
     "UnsupportedModelError",
     "WriteError",
     "__version__",
+    "bootstrap",
     "calibrate",
     "calibrate_many",
+    "compare",
     "correct",
     "correct_array",
     "correct_many",

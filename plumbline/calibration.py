@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plumbline._version import __version__
+from plumbline.bootstrap import Bootstrap
 from plumbline.checks import Check, before_fit
 from plumbline.displacement import Displacement, displacement_errors, grid_px
 from plumbline.errors import UnsettledError
@@ -72,6 +73,7 @@ class Calibration:
         kept: Which picks of each line were fitted; all, but for a robust fit.
         suspects: Picks that a robust fit finds wrong; a plain fit names them and uses them.
         robust: Whether suspicious picks were left out.
+        bootstrap: Repeated fits to resampled residuals, where they were asked for.
         command: The command line that made it; empty in Python.
         version: The version of plumbline that made it.
     """
@@ -92,6 +94,7 @@ class Calibration:
     kept: tuple[NDArray[np.bool_], ...] = ()
     suspects: tuple[Suspect, ...] = ()
     robust: bool = False
+    bootstrap: Bootstrap | None = None
     command: str = ""
     version: str = __version__
 
@@ -225,6 +228,11 @@ class Calibration:
     def quoted_displacement(self) -> Displacement | None:
         """Standard errors of the correction to quote."""
         return self.jackknife_displacement if self.quotes_jackknife else self.displacement
+
+    @cached_property
+    def bootstrap_displacement(self) -> Displacement | None:
+        """The same from the bootstrap."""
+        return None if self.bootstrap is None else self._displacement(self.bootstrap.covariance)
 
     def _displacement(self, covariance: Array) -> Displacement | None:
         points_px = grid_px(self.lens)

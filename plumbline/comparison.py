@@ -55,3 +55,11 @@ class Comparison:
     recommended: int
     reason: str
     centre: str = ""
+
+    @property
+    def calibration(self) -> Calibration:
+        """The recommended fit."""
+        made = self.candidates[self.recommended].calibration
+        if made is None:
+            raise ValueError("the recommended model was not fitted")
+        return made

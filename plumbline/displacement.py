@@ -46,7 +46,11 @@ class Displacement:
 
 
 def displacement_errors(
-    lens: Lens, free: tuple[str, ...], covariance: Array, points_px: Array
+    lens: Lens,
+    free: tuple[str, ...],
+    covariance: Array,
+    points_px: Array,
+    gauge_px: Array | None = None,
 ) -> NDArray[np.float64] | None:
     """Standard errors of the displacements of observed points.
 
@@ -55,11 +59,13 @@ def displacement_errors(
         free: Names of the free coefficients.
         covariance: Their covariance, `d` and `e` in pixels.
         points_px: Observed points, shape (n, 2).
+        gauge_px: Points over which the best common scale and translation are taken; the whole
+            photo by default.
 
     Returns:
         Shape (n,), pixels; None where the model folds before it reaches a point of the photo.
     """
-    moved = motions(lens, free, points_px)
+    moved = motions(lens, free, points_px, gauge_px=gauge_px)
     if moved is None:
         return None
     variance = np.einsum("nik,kl,nil->n", moved, covariance, moved)
@@ -67,7 +73,11 @@ def displacement_errors(
 
 
 def motions(
-    lens: Lens, free: tuple[str, ...], points_px: Array, powers: tuple[int, ...] = ()
+    lens: Lens,
+    free: tuple[str, ...],
+    points_px: Array,
+    powers: tuple[int, ...] = (),
+    gauge_px: Array | None = None,
 ) -> Array | None:
     """How ideal points move with each coefficient, as far as straight lines can tell.
 
@@ -76,12 +86,13 @@ def motions(
         free: Coefficients, one column each.
         points_px: Observed points, shape (n, 2).
         powers: Powers of r that a richer model adds, one column each, after the others.
+        gauge_px: As for `displacement_errors`.
 
     Returns:
         Shape (n, 2, k), square pixels of the corrected photo for one unit of each; None where the
         model folds before it reaches a point of the photo.
     """
-    grid = grid_px(lens)
+    grid = grid_px(lens) if gauge_px is None else gauge_px
     every = np.concatenate((grid, points_px))
     ideal = undistorted(lens, every)
     if not np.all(np.isfinite(ideal.uv)):
@@ -105,9 +116,33 @@ def grid_px(lens: Lens, n: int = _GRID) -> Array:
     return np.stack((x.ravel(), y.ravel()), axis=1)
 
 
-def corners(n: int = _GRID) -> list[int]:
-    """Where the corners stand in `grid_px`."""
-    return [0, n - 1, n * n - n, n * n - 1]
+def difference_px(one: Lens, other: Lens, points_px: Array, *, perspective: bool) -> float:
+    """Largest difference of two lenses that straight lines can tell.
+
+    Args:
+        one: A lens.
+        other: Another one for the same photos.
+        points_px: Observed points, shape (n, 2).
+        perspective: Take the best homography out, not only scale and translation.
+
+    Returns:
+        Pixels; infinite where one of them folds before it reaches a point.
+    """
+    here, there = (lens.undistort_or_nan(points_px) for lens in (one, other))
+    if not np.all(np.isfinite(here) & np.isfinite(there)):
+        return float("inf")
+    size = one.frame.radius_px
+    u, v = ((ideal - points_px.mean(axis=0)) / size for ideal in (here, there))
+    (x, y), flat = u.T, np.concatenate((v[:, 0], v[:, 1]))
+    one_, none = np.ones_like(x), np.zeros_like(x)
+    if perspective:
+        rows_x = [x, y, one_, none, none, none, -x * v[:, 0], -y * v[:, 0]]
+        rows_y = [none, none, none, x, y, one_, -x * v[:, 1], -y * v[:, 1]]
+    else:
+        rows_x, rows_y = [x, one_, none], [y, none, one_]
+    design = np.concatenate((np.stack(rows_x, axis=1), np.stack(rows_y, axis=1)))
+    rest = flat - design @ np.linalg.lstsq(design, flat, rcond=None)[0]
+    return float(np.max(np.hypot(*rest.reshape(2, -1)))) * size
 
 
 def _unseen(uv: Array, *, perspective: bool) -> Array:

@@ -55,6 +55,7 @@ def as_dict(made: Calibration) -> dict[str, Any]:
         "intervals": {name: list(ends) for name, ends in made.intervals.items()},
         "displacement": _displacement(made),
         "jackknife": _jackknife(made),
+        "bootstrap": _bootstrap(made),
         "model_error": None if made.model_error is None else asdict(made.model_error),
         "robust": made.robust,
         "checks": [asdict(check) for check in made.checks],
@@ -89,6 +90,19 @@ def _displacement(made: Calibration) -> dict[str, Any] | None:
 def _jackknife(made: Calibration) -> dict[str, Any] | None:
     left = made.jackknife
     return None if left is None else {"dof": left.dof, "covariance": left.covariance.tolist()}
+
+
+def _bootstrap(made: Calibration) -> dict[str, Any] | None:
+    again, wide = made.bootstrap, made.bootstrap_displacement
+    if again is None:
+        return None
+    return {
+        "fits": again.fits,
+        "failed": again.failed,
+        "covariance": again.covariance.tolist(),
+        "intervals": dict(zip(made.free, again.intervals.tolist(), strict=True)),
+        "largest_px": None if wide is None else wide.worst_px,
+    }
 
 
 def _suspect(made: Calibration, suspect: Suspect) -> dict[str, Any]:

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from plumbline.bootstrap import Bootstrap
 from plumbline.calibration import Calibration
 from plumbline.errors import PlumblineError, ReadError
 from plumbline.facts import LensFacts
@@ -142,9 +143,20 @@ def _calibration(data: Mapping[str, Any]) -> Calibration:
         kept=kept,
         suspects=tuple(_read_suspect(each, sizes) for each in data.get("suspects", [])),
         robust=bool(data.get("robust", False)),
+        bootstrap=_read_bootstrap(data.get("bootstrap"), free),
         command=str(data.get("command", "")),
         version=str(data["plumbline"]),
     )
+
+
+def _read_bootstrap(data: Any, free: tuple[str, ...]) -> Bootstrap | None:
+    if data is None:
+        return None
+    covariance = _array(data["covariance"], 2)
+    intervals = _array([data["intervals"][name] for name in free], 2)
+    if covariance.shape != (len(free), len(free)) or intervals.shape != (len(free), 2):
+        raise ValueError("the bootstrap does not fit the free coefficients")
+    return Bootstrap(int(data["fits"]), int(data["failed"]), covariance, intervals)
 
 
 def _residuals(values: Any) -> Array:

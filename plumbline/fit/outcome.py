@@ -47,7 +47,7 @@ def finish(problem: Problem, solution: Solution, suspects: tuple[Suspect, ...] =
     unit = unit_covariance(solution.normal[np.ix_(free, free)])
     unit = unit * np.outer(to_px[free], to_px[free])
     refuse_unobservable(lens, chosen.free, unit, sigma_px)
-    converged = bool(float(solution.last_step) * lens.unit_px < _SETTLED_PX)
+    converged = is_settled(solution, lens)
     made = Calibration(
         observations=problem.observations,
         lens=lens,
@@ -70,6 +70,11 @@ def finish(problem: Problem, solution: Solution, suspects: tuple[Suspect, ...] =
     if problem.residual == "corrected":
         made = _with_sandwich(made)
     return made if problem.kept.all() else _with_left_out(made)
+
+
+def is_settled(solution: Solution, lens: Lens) -> bool:
+    """Whether the fit ended in a minimum."""
+    return bool(float(solution.last_step) * lens.unit_px < _SETTLED_PX)
 
 
 def lens_of(problem: Problem, solution: Solution) -> Lens:

@@ -48,8 +48,10 @@ for _tuple in (Block, Residuals, Task, Solution):
     export.register_namedtuple_serialization(_tuple, serialized_name=f"plumbline.{_tuple.__name__}")
 
 
-_making = Lock()
-"""Two threads that want one program make it once."""
+@cache
+def _making(_: object) -> Lock:
+    """Two threads that want one program make it once."""
+    return Lock()
 
 
 def program(model: Model, task: Task, batch: int | None) -> Callable[[Task], Solution]:
@@ -63,7 +65,7 @@ def program(model: Model, task: Task, batch: int | None) -> Callable[[Task], Sol
     Call it, and its result, with 64-bit numbers enabled (`jax.enable_x64`).
     """
     shapes = tuple((leaf.shape, str(leaf.dtype)) for leaf in jax.tree.leaves(task))
-    with _making:
+    with _making((model, shapes, batch)):
         return _program(model, shapes, batch)
 
 

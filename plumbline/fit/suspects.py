@@ -158,8 +158,8 @@ def _lost_line(scene: _Scene, line: int, unclear: set[int]) -> Suspect | None:
         float(np.max(np.abs(scene.linear.image_px[rows]))),
         float(np.max(np.abs(scene.studentised[rows]))),
         True,
-        f"{count(len(rows), 'pick')} of {scene.name(line)} left out: no more than half of its picks "
-        "lie on one straight line of their own",
+        f"{count(len(rows), 'pick')} of {scene.name(line)} left out: no more than half of its "
+        "picks lie on one straight line of their own",
     )
 
 

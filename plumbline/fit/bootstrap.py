@@ -1,0 +1,116 @@
+"""Bootstrap: fit again to residuals resampled within their lines.
+
+Every kept pick is put back onto its fitted line, then moved across it, in the photograph, by a
+residual drawn from those of the same line (B. Efron, "Bootstrap methods: another look at the
+jackknife", 1979). Residuals are first brought to the size of the errors they come from: divided
+by √(1 − leverage), and by √(1 − 1/m) for the mean taken out of m of them.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+
+import numpy as np
+
+from plumbline.bootstrap import Bootstrap
+from plumbline.calibration import Calibration
+from plumbline.errors import DegenerateLinesError, OptionError
+from plumbline.fit.outcome import is_settled
+from plumbline.fit.problem import Problem, pixels_of_centre, prepare
+from plumbline.fit.solve import BATCH, solve_many
+from plumbline.fit.task import Solution, Task
+from plumbline.frame import Array
+from plumbline.ideal import undistorted
+from plumbline.linearised import in_frame
+from plumbline.straightness import fit_lines
+
+_LEAST, _MOST = 50, 100_000
+
+
+def bootstrap(
+    made: Calibration, fits: int, done: Callable[[int], object] | None = None, seed: int = 0
+) -> Calibration:
+    """The same calibration with a bootstrap beside its standard errors.
+
+    Args:
+        made: A calibration.
+        fits: How many fits, from 50 to 100,000.
+        done: Called with the number of fits just done, for progress.
+        seed: Of the resampling; the same seed gives the same result.
+
+    Raises:
+        OptionError: the number of fits makes no sense.
+        DegenerateLinesError: hardly any of the fits reached a minimum.
+    """
+    if not _LEAST <= fits <= _MOST:
+        raise OptionError(
+            f"a bootstrap of {fits:,} fits makes no sense",
+            hint=f"take from {_LEAST} to {_MOST:,}; 1,000 are usual",
+        )
+    problem = prepare(
+        made.observations, made.lens.model, made.free, (), made.coefficients, made.residual
+    ).keeping(np.concatenate(made.kept))
+    chunks = [min(BATCH, fits - first) for first in range(0, fits, BATCH)]
+    tasks = _resampled(made, problem, np.random.default_rng(seed))
+    drawn = [[next(tasks) for _ in range(size)] for size in chunks]
+
+    def solved(chunk: list[Task]) -> list[Solution]:
+        return solve_many(problem.model, chunk)
+
+    found: list[Array] = []
+    chosen = problem.task.free
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        for solutions in pool.map(solved, drawn):
+            found += [
+                (solution.coefficients * pixels_of_centre(problem.blank))[chosen]
+                for solution in solutions
+                if is_settled(solution, problem.blank)
+            ]
+            if done is not None:
+                done(len(solutions))
+    if 2 * len(found) < fits:
+        raise DegenerateLinesError(
+            f"only {len(found):,} of {fits:,} bootstrap fits reached a minimum",
+            hint="the lines hardly determine the free coefficients; pick more lines",
+        )
+    values = np.stack(found)
+    away = values - values.mean(axis=0)
+    result = Bootstrap(
+        len(found),
+        fits - len(found),
+        away.T @ away / (len(found) - 1),
+        np.percentile(values, (2.5, 97.5), axis=0).T,
+    )
+    return replace(made, bootstrap=result)
+
+
+def _resampled(made: Calibration, problem: Problem, rng: np.random.Generator) -> Iterator[Task]:
+    """Tasks with residuals resampled within lines, without end."""
+    lens, linear = made.lens, made.linearised
+    observed_px = np.concatenate(in_frame(made.observations, lens.frame))
+    ideal = undistorted(lens, observed_px)
+    lines = fit_lines(ideal.uv, linear.line, linear.n_lines, linear.kept.astype(np.float64))
+    across = np.einsum("nij,ni->nj", ideal.stretch, lines.across[linear.line])
+    across = across / np.hypot(*across.T)[:, None] / problem.blank.unit_px
+    block, cells = problem.packed.block, problem.packed.cells
+    xy = problem.packed.unpack(block.xy)
+    fitted = xy - np.where(linear.kept, linear.image_px, 0.0)[:, None] * across
+    rows = np.flatnonzero(linear.kept)
+    starts = np.searchsorted(linear.line[rows], np.arange(linear.n_lines))
+    counts = np.bincount(linear.line[rows], minlength=linear.n_lines)
+    of_line = linear.line[rows]
+    errors = linear.image_px[rows] / np.sqrt(np.maximum(1 - linear.leverage[rows], 0.05))
+    mean = np.bincount(of_line, errors, linear.n_lines) / np.maximum(counts, 1)
+    errors = (errors - mean[of_line]) * np.sqrt(counts / np.maximum(counts - 1, 1))[of_line]
+    while True:
+        drawn = starts[of_line] + (rng.random(len(rows)) * counts[of_line]).astype(np.int64)
+        moved = fitted.copy()
+        moved[rows] += errors[drawn][:, None] * across[rows]
+        whole = np.zeros((block.weight.size, 2))
+        whole[cells] = moved
+        yield problem.task._replace(
+            block=problem.task.block._replace(xy=whole.reshape(*block.weight.shape, 2))
+        )
