@@ -148,9 +148,7 @@ def bound(group: Group) -> Bound:
     along = np.repeat([line.along for line in group.lines], _sizes(group), axis=0)
     normal = along[:, ::-1] * np.array([-1.0, 1.0])
     places = np.concatenate([line.places_px for line in group.lines])[:, None]
-    tangent = _difference(lambda h: lens.distort(ideal + h * along), 0.05)
-    across = tangent[:, ::-1] * np.array([-1.0, 1.0])
-    across = across / np.hypot(*across.T)[:, None]
+    across = group.across
     turned = normal * places / lens.unit_px
     of_lines = np.stack(
         [
@@ -172,7 +170,7 @@ def bound(group: Group) -> Bound:
         basis = np.linalg.qr(of_lines[rows])[0]
         rest.append(of_lens[rows] - basis @ (basis.T @ of_lens[rows]))
     seen = np.concatenate(rest)
-    covariance = group.noise_px**2 * np.linalg.inv(seen.T @ seen)
+    covariance: Array = group.noise_px**2 * np.linalg.inv(seen.T @ seen).astype(np.float64)
     slopes = _field_slopes(group, names)
     return Bound(covariance, np.einsum("pxi,ij,pyj->pxy", slopes, covariance, slopes))
 

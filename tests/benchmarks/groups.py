@@ -33,6 +33,7 @@ FEW = Layout("few lines", 4, 12, 12)
 UNEVEN = Layout("uneven", 12, 3, 20)
 DENSE = Layout("dense", 10, 100, 100)
 SLANTED = Layout("slanted", 14, 8, 10, slanted=True)
+FRAMES = Layout("window frames", 16, 8, 12, paired=True)
 HALF = Layout("left two thirds", 12, 10, 10, reach=0.67)
 LAYOUTS = (FACADE, GRID, UNEVEN, DENSE, SLANTED, HALF)
 NOISE_PX = (0.3, 0.1, 0.5, 1.0)
@@ -46,7 +47,8 @@ def lens(name: str, **moved: float) -> TrueLens:
 
 def portrait(one: TrueLens) -> TrueLens:
     """The same lens in front of a photo held upright."""
-    return TrueLens(one.name, one.coefficients, one.size[::-1])
+    width, height = one.size
+    return TrueLens(one.name, one.coefficients, (height, width))
 
 
 def _of_every_lens() -> list[Group]:

@@ -33,6 +33,7 @@ class Layout:
         most: Most picks on one line.
         reach: Part of the photo's width, from the left, that has lines.
         slanted: Whether lines run in all directions, rather than along the photo's sides.
+        paired: Whether two lines at a time lie close together, as both edges of a frame do.
     """
 
     name: str
@@ -41,6 +42,7 @@ class Layout:
     most: int
     reach: float = 1.0
     slanted: bool = False
+    paired: bool = False
 
 
 class TrueLine(NamedTuple):
@@ -116,6 +118,19 @@ class Group:
         sizes = [len(line.places_px) for line in self.lines]
         return np.repeat(np.arange(len(sizes)), sizes)
 
+    @cached_property
+    def across(self) -> Array:
+        """Unit vectors across the observed curves at the true points, shape (n, 2)."""
+        step = 0.05
+        ends = [
+            self.lens.distort(
+                np.concatenate([line.ideal_px + sign * step * line.along for line in self.lines])
+            )
+            for sign in (1.0, -1.0)
+        ]
+        tangent = ends[0] - ends[1]
+        return tangent[:, ::-1] * np.array([-1.0, 1.0]) / np.hypot(*tangent.T)[:, None]
+
     @property
     def n_points(self) -> int:
         """Number of points on all lines."""
@@ -160,8 +175,12 @@ def _ends(layout: Layout, index: int, rng: np.random.Generator) -> Array:
     upright = index % 2 == 1
     of_its_kind = index // 2
     share = (of_its_kind + 0.5) / ((layout.n_lines + (0 if upright else 1)) // 2)
-    at = 0.025 + 0.95 * share + rng.uniform(-0.02, 0.02)
-    tilt = rng.uniform(-0.3, 0.3) if layout.slanted else rng.uniform(-0.03, 0.03)
+    if layout.paired:
+        share = (of_its_kind // 2 + 0.5) / (layout.n_lines // 4) + 0.03 * (of_its_kind % 2)
+    loose = 0.002 if layout.paired else 0.02
+    at = 0.025 + 0.95 * share + rng.uniform(-loose, loose)
+    most = 0.3 if layout.slanted else 0.002 if layout.paired else 0.03
+    tilt = rng.uniform(-most, most)
     start, stop = rng.uniform(0.02, 0.12), rng.uniform(0.88, 0.98)
     ends = np.array([[start, at - tilt], [stop, at + tilt]]).clip(0.015, 0.985)
     ends = ends[:, ::-1] if upright else ends
