@@ -105,6 +105,7 @@ ALIKE = (*_of_every_lens(), *_SPECIAL)
 UNLIKE = (
     Group("division, as ptlens", _DIVISION, GRID, 0.3),
     Group("Brown, as ptlens", _BROWN, GRID, 0.3),
+    Group("G12 6.1 mm, as ptlens", _POLY5, FACADE, 0.3),
     Group("GoPro Hero3+, as division", GOPRO, GRID, 0.3, "division"),
     Group("S120, as radial:2,4,6", lens("S120 5.2 mm"), FACADE, 0.3, "radial:2,4,6"),
 )
