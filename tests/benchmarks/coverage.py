@@ -122,7 +122,7 @@ def summed_up(group: Group, fitted: Fitted) -> Row:
     claims = _claims(group, fits)
     banded = np.isfinite(claims[:, 0])
     alike = group.true_family
-    within = np.sqrt(squared) <= _limits(group, fits[0].dof) * claims
+    within = np.sqrt(squared) <= _limits(group, fits) * claims
     return Row(
         group=group.name,
         n_points=group.n_points,
@@ -157,14 +157,19 @@ def _claims(group: Group, fits: Sequence[plumbline.Calibration]) -> NDArray[np.f
     return np.stack([none if each is None else each for each in claimed])
 
 
-def _limits(group: Group, dof: int) -> Array:
-    """The 95 % limits of all points of the grid, in standard errors."""
-    if not group.true_family:
-        return np.full(GRID**2, student.ppf((1 + CONFIDENCE) / 2, dof))
-    main = np.linalg.eigvalsh(bound(group).field_px2)
-    shares = np.round(main[:, 1] / np.sum(main, axis=1), 6)
-    known = {share: limit(share, dof) for share in set(shares.tolist())}
-    return np.array([known[share] for share in shares.tolist()])
+def _limits(group: Group, fits: Sequence[plumbline.Calibration]) -> Array:
+    """The 95 % limits at the grid's points in standard errors, shape (fits, GRID²)."""
+    shares = np.ones(GRID**2)
+    if group.true_family:
+        main = np.linalg.eigvalsh(bound(group).field_px2)
+        shares = np.round(main[:, 1] / np.sum(main, axis=1), 6)
+
+    def limits(dof: int) -> list[float]:
+        known = {share: limit(share, dof) for share in set(shares.tolist())}
+        return [known[share] for share in shares.tolist()]
+
+    of_dof = {dof: limits(dof) for dof in {fit.dof for fit in fits}}
+    return np.array([of_dof[fit.dof] for fit in fits])
 
 
 HEAD = (
