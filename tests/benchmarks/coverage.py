@@ -17,6 +17,11 @@ so the length of the error over it is Student's t only where the error has one d
 lens held at the photo's centre. Elsewhere, with variances in the ratio w : 1 - w along the two
 principal directions, its square is a mixture of chi squares over an independent σ̂²/σ², and the
 limit is that mixture's 95 % point, w taken from the Cramér-Rao bound and not from plumbline.
+
+The pooled variance is the mean of var/CRB over the groups, so that none weighs more than another.
+The last groups are of another family than the one fitted: there are no true coefficients to cover,
+the displacement is off by the model's error, which no error bar here holds, and they are shown but
+not judged.
 """
 
 from __future__ import annotations

@@ -5,11 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 import plumbline
-from tests.benchmarks.bent_edges import GROUPS, leave_one_out
+from tests.benchmarks.bent_edges import leave_one_out
+from tests.benchmarks.groups import ALIKE
 from tests.benchmarks.spoiling import bent
 from tests.benchmarks.trials import observations
 
-DENSE_GROUP = next(group for group in GROUPS if group.layout.name == "dense")
+DENSE_GROUP = next(
+    group for group in ALIKE if group.layout.name == "dense" and group.noise_px == 0.1
+)
 
 
 def _ratio(points: np.ndarray) -> float:

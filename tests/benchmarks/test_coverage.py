@@ -10,6 +10,7 @@ from scipy.stats import t as student
 
 from tests.benchmarks.coverage import limit, row, summed_up, targets
 from tests.benchmarks.groups import ALIKE, UNLIKE
+from tests.benchmarks.simulated import Group
 from tests.benchmarks.trials import fit_trials
 
 TRIALS = 100
@@ -35,7 +36,7 @@ def test_the_limit_of_a_long_error_is_what_drawing_says() -> None:
 
 
 @pytest.mark.parametrize("group", SMALL, ids=lambda group: group.name)
-def test_error_bars_are_true_within_the_chances_of_a_hundred_trials(group) -> None:  # type: ignore[no-untyped-def]
+def test_error_bars_are_true_within_the_chances_of_a_hundred_trials(group: Group) -> None:
     one = row(group, TRIALS)
     dof = group.n_points - 2 * len(group.lines) - 3
     chance = 4 * np.sqrt(0.95 * 0.05 / TRIALS)
