@@ -14,6 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
+Values = Mapping[str, float] | Mapping[str, Array]
+"""Coefficients by name; arrays, for many lenses at once, broadcast with the radii."""
 
 IDEAL_TO_OBSERVED = ("ptlens", "poly3", "poly5", "opencv", "acm")
 IN_FOCAL_LENGTHS = ("opencv", "acm")
@@ -41,7 +43,7 @@ def powers(name: str) -> dict[str, int]:
     return POWERS[name]
 
 
-def scale(name: str, c: Mapping[str, float], r: ArrayLike) -> Array:
+def scale(name: str, c: Values, r: ArrayLike) -> Array:
     """Radius out over radius in, in the model's own direction."""
     r = np.asarray(r, dtype=np.float64)
     if name == "ptlens":
@@ -55,7 +57,7 @@ def scale(name: str, c: Mapping[str, float], r: ArrayLike) -> Array:
     return 1 / total if name == "division" else total
 
 
-def tangential(name: str, c: Mapping[str, float], x: Array, y: Array) -> tuple[Array, Array]:
+def tangential(name: str, c: Values, x: Array, y: Array) -> tuple[Array, Array]:
     """The decentring displacement."""
     if name not in TANGENTIAL:
         return np.zeros_like(x), np.zeros_like(y)
@@ -64,7 +66,7 @@ def tangential(name: str, c: Mapping[str, float], x: Array, y: Array) -> tuple[A
     return 2 * p1 * x * y + p2 * (r2 + 2 * x**2), p1 * (r2 + 2 * y**2) + 2 * p2 * x * y
 
 
-def forward(name: str, c: Mapping[str, float], points: ArrayLike) -> Array:
+def forward(name: str, c: Values, points: ArrayLike) -> Array:
     """Map normalised points, shape (..., 2), in the model's own direction."""
     points = np.asarray(points, dtype=np.float64)
     x, y = points[..., 0], points[..., 1]
