@@ -24,7 +24,7 @@ from plumbline.observations import Observations
 from plumbline.straightness import straightness_before
 from plumbline.student import quantile
 from plumbline.suspect import Suspect
-from plumbline.trust import QUOTED, Jackknife, ModelError, jackknife, model_error
+from plumbline.trust import Jackknife, ModelError, jackknife, model_error
 from plumbline.trust_checks import after_fit
 
 ResidualKind = Literal["image", "corrected"]
@@ -219,10 +219,10 @@ class Calibration:
 
     @property
     def quotes_jackknife(self) -> bool:
-        """Whether the jackknife's error is the one to quote: it is 1.5 times larger or more."""
+        """Whether the jackknife's error is the one to quote: it is the larger."""
         if self.displacement is None or self.jackknife_displacement is None:
             return False
-        return self.jackknife_displacement.worst_px > QUOTED * self.displacement.worst_px
+        return self.jackknife_displacement.worst_px > self.displacement.worst_px
 
     @property
     def quoted_displacement(self) -> Displacement | None:

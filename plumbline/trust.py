@@ -19,10 +19,6 @@ from plumbline.frame import Array
 from plumbline.lens import Lens
 from plumbline.linearised import Linearised
 
-QUOTED = 1.5
-"""How many times larger the jackknife's error must be to be the one to quote."""
-
-
 @dataclass(frozen=True, eq=False)
 class Jackknife:
     """What leaving out one line after the other says.

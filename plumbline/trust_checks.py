@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from plumbline.calibration import Calibration
 
 _CONDITION = 300.0
+_UNSTEADY = 1.5
 _LEAST_PX = 1.0
 _WORTH = 0.9
 _SIGNIFICANT = 2.5
@@ -78,12 +79,12 @@ def _steady(made: Calibration) -> Check | None:
             "pick more lines",
         )
     ratio = wide.worst_px / sure.worst_px if sure.worst_px > 0 else 1.0
-    if not made.quotes_jackknife:
+    if ratio <= _UNSTEADY:
         return Check(
             "line by line",
             True,
-            f"leaving out one line at a time says {px(wide.worst_px)}, {ratio:.1f} times what "
-            "independent picking errors make",
+            f"of independent picking errors {px(sure.worst_px)}, of leaving out one line at a time "
+            f"{px(wide.worst_px)}; the larger is the one to quote",
         )
     return Check(
         "line by line",
