@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from plumbline.calibration import Calibration
 
@@ -63,3 +64,32 @@ class Comparison:
         if made is None:
             raise ValueError("the recommended model was not fitted")
         return made
+
+
+def as_dict(comparison: Comparison) -> dict[str, Any]:
+    """A comparison as plain lists, dicts, strings and numbers."""
+    return {
+        "recommended": comparison.candidates[comparison.recommended].name,
+        "best": comparison.candidates[comparison.best].name,
+        "reason": comparison.reason,
+        "centre": comparison.centre,
+        "candidates": [_row(candidate) for candidate in comparison.candidates],
+    }
+
+
+def _row(candidate: Candidate) -> dict[str, Any]:
+    made = candidate.calibration
+    return {
+        "name": candidate.name,
+        "equals": list(candidate.equals),
+        "model": candidate.model,
+        "free": list(candidate.free),
+        "failure": candidate.failure,
+        "coefficients": None if made is None else made.coefficients,
+        "standard_errors": None if made is None else made.standard_errors,
+        "rms_after_px": None if made is None else made.rms_after_px,
+        "aicc": candidate.aicc,
+        "left_out_px": candidate.left_out_px,
+        "difference_px": candidate.difference_px,
+        "fold_px": candidate.fold_px,
+    }

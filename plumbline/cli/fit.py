@@ -21,6 +21,7 @@ Examples:
   plumbline fit picks.csv --photo facade.jpg --model poly3
   plumbline fit building.pto --free b -o b_alone.json
   plumbline fit building.pto --start a=0.03,b=-0.1,c=0.05
+  plumbline fit building.pto --robust --model auto
 """
 
 
@@ -28,20 +29,7 @@ Examples:
     "fit", help=_HELP, short_help="Find the distortion that makes picked lines straight."
 )
 @click.argument("points", nargs=-1, required=True)
-@click.option(
-    "--model",
-    default="ptlens",
-    show_default=True,
-    metavar="NAME",
-    help="Distortion model; `plumbline models` lists them.",
-)
-@click.option(
-    "--free",
-    type=options.Names(),
-    metavar="NAMES",
-    help="Coefficients to fit, as a,b,c; d,e is the distortion centre.",
-)
-@click.option("--hold", type=options.Names(), metavar="NAMES", help="Coefficients not to fit.")
+@options.fitting
 @click.option(
     "--start",
     type=options.Start(),
@@ -54,6 +42,14 @@ Examples:
     default="image",
     show_default=True,
     help="Measure straightness in the photograph's pixels, or in the corrected photo's.",
+)
+@click.option("--robust", is_flag=True, help="Leave suspicious picks out, and list them.")
+@click.option(
+    "--bootstrap",
+    type=click.IntRange(min=0),
+    default=0,
+    metavar="N",
+    help="Fit N times to resampled residuals, for error bars beside the others.",
 )
 @options.reading
 @options.labelling
@@ -75,54 +71,26 @@ def command(
     hold: tuple[str, ...] | None,
     start: Any,
     residual: Any,
+    robust: bool,
+    bootstrap: int,
     output: tuple[str, ...],
     overwrite: bool,
     as_json: bool,
     verbose: bool,
     quiet: bool,
-    image: int | None,
-    maker: str | None,
-    lens_name: str | None,
-    mount: str | None,
-    focal: float | None,
-    focal_px: float | None,
-    crop_factor: float | None,
-    aspect_ratio: float | None,
-    **how: Any,
+    **reading: Any,
 ) -> None:
     """Read, fit, write, print."""
     from rich.console import Console
 
-    from plumbline.cli.pipeline import gather, name_the_source, split_by_lens, write_results
-    from plumbline.errors import PlumblineError, printable
-    from plumbline.models import get_model
+    from plumbline.cli.fitting import Wishes, fit_lenses
+    from plumbline.cli.pipeline import parts_of, write_results
+    from plumbline.errors import printable
     from plumbline.report.terminal import WideConsole, print_summary
     from plumbline.writing import refuse_unsettled
 
-    get_model(model)
-    labels = {
-        "maker": maker,
-        "model": lens_name,
-        "mount": mount,
-        "focal_mm": focal,
-        "focal_px": focal_px,
-        "crop_factor": crop_factor,
-        "aspect_ratio": aspect_ratio,
-    }
-    parts = split_by_lens(gather(points, image, **how), labels)
-    narration = Console(stderr=True)
-    with narration.status("Fitting…"):
-        from plumbline.fit.calibrate import calibrate
-
-        calibrations = []
-        for part in parts:
-            try:
-                made = calibrate(
-                    part, model, free=free, hold=hold or (), start=start, residual=residual
-                )
-            except PlumblineError as error:
-                raise name_the_source(error, part, len(parts)) from None
-            calibrations.append(made)
+    wishes = Wishes(model, free, hold or (), start, residual, robust, bootstrap).checked()
+    calibrations = fit_lenses(parts_of(points, reading), wishes, Console(stderr=True))
     refuse_unsettled(calibrations)
     written, notes = write_results(calibrations, output, points[0], overwrite=overwrite)
     if as_json:

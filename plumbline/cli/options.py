@@ -171,10 +171,7 @@ reading = stacked(
 )
 """What verbs that read picked points take."""
 
-labelling = stacked(
-    click.option("--maker", type=Text(), metavar="TEXT", help="Maker of the lens, for LensFun."),
-    click.option("--lens-name", type=Text(), metavar="TEXT", help="Name of the lens, for LensFun."),
-    click.option("--mount", type=Text(), metavar="TEXT", help="Mount of the lens, for LensFun."),
+focal = stacked(
     click.option("--focal", type=Positive(1e5), metavar="MM", help="Focal length in millimetres."),
     click.option("--focal-px", type=Positive(), metavar="PX", help="Focal length in pixels."),
     click.option(
@@ -183,6 +180,14 @@ labelling = stacked(
         metavar="NUMBER",
         help="Diagonal of the 35-mm frame over that of the sensor.",
     ),
+)
+"""What tells the focal length, for models that measure in it."""
+
+labelling = stacked(
+    click.option("--maker", type=Text(), metavar="TEXT", help="Maker of the lens, for LensFun."),
+    click.option("--lens-name", type=Text(), metavar="TEXT", help="Name of the lens, for LensFun."),
+    click.option("--mount", type=Text(), metavar="TEXT", help="Mount of the lens, for LensFun."),
+    focal,
     click.option(
         "--aspect-ratio",
         type=Ratio(),
@@ -191,6 +196,25 @@ labelling = stacked(
     ),
 )
 """What is known of the lens, where EXIF and project are silent or wrong."""
+
+fitting = stacked(
+    click.option(
+        "--model",
+        default="ptlens",
+        show_default=True,
+        metavar="NAME",
+        help="Distortion model; `plumbline models` lists them, auto takes the one that `plumbline "
+        "compare` recommends.",
+    ),
+    click.option(
+        "--free",
+        type=Names(),
+        metavar="NAMES",
+        help="Coefficients to fit, as a,b,c; d,e is the distortion centre.",
+    ),
+    click.option("--hold", type=Names(), metavar="NAMES", help="Coefficients not to fit."),
+)
+"""What is fitted."""
 
 lens_labels = stacked(
     click.option("--maker", type=Text(), metavar="TEXT", help="Maker of the lens, for LensFun."),

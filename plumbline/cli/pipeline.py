@@ -16,6 +16,32 @@ from plumbline.reading import join, read
 from plumbline.wording import listed
 from plumbline.writing import resampling_notes, result_bytes
 
+_FACTS = {
+    "maker": "maker",
+    "lens_name": "model",
+    "mount": "mount",
+    "focal": "focal_mm",
+    "focal_px": "focal_px",
+    "crop_factor": "crop_factor",
+    "aspect_ratio": "aspect_ratio",
+}
+"""What the options that describe a lens are called in `LensFacts`."""
+
+
+def parts_of(sources: Sequence[str], options: Mapping[str, Any]) -> list[Observations]:
+    """What a verb reads: the observations of each lens in its files.
+
+    Args:
+        sources: Files of points.
+        options: Values of `options.reading` and of those of `options.labelling` that it takes.
+
+    Raises:
+        PlumblineError: as `gather` and `split_by_lens`.
+    """
+    labels = {fact: options.get(name) for name, fact in _FACTS.items()}
+    how = {name: value for name, value in options.items() if name not in _FACTS}
+    return split_by_lens(gather(sources, **how), labels)
+
 
 def gather(sources: Sequence[str], image: int | None, **how: Any) -> Observations:
     """Read one or several files of points, of each only photo number `image` if it is given.

@@ -38,7 +38,7 @@ class _Row:
     free: tuple[str, ...]
 
 
-_ROWS = (
+ROWS = (
     _Row("ptlens b", ("poly3",), "ptlens", ("b",)),
     _Row("radial:2", ("brown k1",), "brown", ("k1",)),
     _Row("division l1", (), "division", ("l1",)),
@@ -84,7 +84,7 @@ def compare(observations: Observations, done: Callable[[], object] | None = None
         return made
 
     with ThreadPoolExecutor(2) as pool:
-        candidates = list(pool.map(fitted, _ROWS))
+        candidates = list(pool.map(fitted, ROWS))
     usable = [i for i, each in enumerate(candidates) if each.aicc is not None]
     if not usable:
         raise DegenerateLinesError(

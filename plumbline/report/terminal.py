@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from math import floor, isfinite, log10
 from pathlib import Path
 
+import numpy as np
 from rich import box
 from rich.console import Console
 from rich.markup import escape
@@ -14,11 +15,12 @@ from rich.table import Table
 from plumbline.calibration import Calibration
 from plumbline.errors import printable
 from plumbline.models import CENTRE
-from plumbline.wording import count
+from plumbline.observations import Observations
+from plumbline.report.checks import print_suspects
+from plumbline.wording import count, px
 
 _MOST_LINES = 24
 _LEAST_WIDTH = 80
-_MOST_SUSPECTS = 12
 _TRUST = "correction", "line by line", "model"
 _KINDS = {
     "barrel": "Barrel distortion",
@@ -56,11 +58,9 @@ def print_summary(
         quiet: Print only the finding and what there is to say about the files.
     """
     told: set[str] = set()
-    for index, made in enumerate(calibrations):
+    for made in calibrations:
         if len(calibrations) > 1:
-            console.print(
-                f"{'' if index == 0 or quiet else chr(10)}[bold]{_plain(_title(made))}[/]"
-            )
+            print_title(console, made.observations)
         console.print(f"[bold]{finding_sentence(made)}[/]", highlight=False, soft_wrap=True)
         if quiet:
             continue
@@ -70,6 +70,7 @@ def print_summary(
         for note in [note for note in made.notes if note not in told]:
             told.add(note)
             _print_note(console, note)
+        print_suspects(console, made.suspects, everything=verbose)
     for note in notes:
         _print_note(console, note)
     for path in written:
@@ -103,14 +104,14 @@ def coefficients_table(made: Calibration) -> Table:
     """Coefficients with their standard errors and start values."""
     table = Table(box=box.SIMPLE, pad_edge=False)
     table.add_column(f"{made.model}", style="bold")
-    for title in ("value", "± std. error", "percent", "start"):
+    for title in ("value", "± std. error", "percent", "95 % interval", "start"):
         table.add_column(title, justify="right")
     errors = made.standard_errors
     for name, value in made.coefficients.items():
         least, unit = (3, " px") if name in CENTRE else (6, "")
         digits = _decimals(errors.get(name, value), least)
         if name not in errors:
-            table.add_row(name, f"{value:.{digits}f}{unit}", "held", "", "")
+            table.add_row(name, f"{value:.{digits}f}{unit}", "held", "", "", "")
             continue
         percent = f"{100 * errors[name] / abs(value):.1f} %" if value else ""
         table.add_row(
@@ -118,6 +119,7 @@ def coefficients_table(made: Calibration) -> Table:
             f"{value:.{digits}f}{unit}",
             f"± {errors[name]:.{digits}f}{unit}",
             percent,
+            " … ".join(f"{end:.{digits}f}" for end in made.intervals[name]),
             f"{made.start[name]:g}",
         )
     return table
@@ -154,12 +156,26 @@ def lines_table(made: Calibration, *, everything: bool = False) -> Table:
     return table
 
 
-def _title(made: Calibration) -> str:
-    names = ", ".join(
-        photo.name or photo.source or f"photo {photo.number}" for photo in made.observations.photos
+def print_title(console: Console, observations: Observations) -> None:
+    """Say which photos of a project follow."""
+    photos = observations.photos
+    names = ", ".join(photo.name or photo.source or f"photo {photo.number}" for photo in photos)
+    focal_mm = observations.lenses[0].focal_length_mm(photos[0].frame)
+    title = names + (f" at {focal_mm:.4g} mm" if focal_mm else "")
+    console.print(f"[bold]{_plain(title)}[/]", highlight=False, soft_wrap=True)
+
+
+def _bootstrap_sentences(made: Calibration) -> list[str]:
+    again, wide = made.bootstrap, made.bootstrap_displacement
+    if again is None:
+        return []
+    errors = ", ".join(
+        f"{name} ± {error:.6f}"
+        for name, error in zip(made.free, np.sqrt(np.diag(again.covariance)), strict=True)
     )
-    focal_mm = made.observations.lenses[0].focal_length_mm(made.lens.frame)
-    return names + (f" at {focal_mm:.4g} mm" if focal_mm else "")
+    worst = "" if wide is None else f"; the correction is uncertain by {px(wide.worst_px)}"
+    failed = f", {again.failed:,} more found no minimum" if again.failed else ""
+    return [f"bootstrap of {again.fits:,} fits: {errors}{worst}{failed}"]
 
 
 def _fit_sentences(made: Calibration) -> str:
@@ -174,4 +190,5 @@ def _fit_sentences(made: Calibration) -> str:
         "after",
     ]
     out += [check.finding for check in made.checks if check.name in _TRUST and check.passed]
+    out += _bootstrap_sentences(made)
     return "\n".join(out)

@@ -1,0 +1,65 @@
+"""`plumbline check`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from plumbline.cli import options
+
+_HELP = """Say whether the picks can tell the distortion, and what to pick next.
+
+Before any fit: whether the lines reach the edges and corners, which part of the photo is
+extrapolated, whether lines are too central to tell anything, and the rule of LensFun's profile
+makers. After a fit: how sure the correction is and which line would help most, how much the result
+hangs on single lines, whether a richer model would differ, and which picks are suspicious. Each
+with its remedy. Nothing is written.
+
+\b
+Examples:
+  plumbline check building.pto
+  plumbline check picks.csv --photo facade.jpg --model poly3
+"""
+
+
+@click.command("check", help=_HELP, short_help="Say whether the picks can tell the distortion.")
+@click.argument("points", nargs=-1, required=True)
+@options.fitting
+@options.reading
+@options.focal
+@click.option("--json", "as_json", is_flag=True, help="Print the checks as JSON.")
+def command(
+    points: tuple[str, ...],
+    model: str,
+    free: tuple[str, ...] | None,
+    hold: tuple[str, ...] | None,
+    as_json: bool,
+    **reading: Any,
+) -> None:
+    """Read, check, fit, check, print."""
+    from rich.console import Console
+
+    from plumbline.cli.checking import check_lenses
+    from plumbline.cli.pipeline import parts_of
+    from plumbline.report.checks import print_checks, print_suspects
+    from plumbline.report.terminal import WideConsole, print_title
+
+    parts = parts_of(points, reading)
+    found = check_lenses(parts, model, free, hold or (), Console(stderr=True))
+    if as_json:
+        import json
+        from dataclasses import asdict
+
+        lists = [[asdict(check) for check in each.checks] for each in found]
+        click.echo(json.dumps({"checks": lists}, indent=2, ensure_ascii=False))
+    else:
+        console = WideConsole()
+        for part, each in zip(parts, found, strict=True):
+            if len(parts) > 1:
+                print_title(console, part)
+            print_checks(console, each.checks)
+            print_suspects(console, each.suspects, everything=True)
+    for each in found:
+        if each.error is not None:
+            raise each.error

@@ -1,0 +1,66 @@
+"""Check the picks of a project: `plumbline check` minus its parsing."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from plumbline.checks import Check, before_fit
+from plumbline.cli.pipeline import name_the_source
+from plumbline.errors import PlumblineError
+from plumbline.fit.options import plan
+from plumbline.models import get_model
+from plumbline.trust_checks import after_fit
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from plumbline.observations import Observations
+    from plumbline.suspect import Suspect
+
+
+@dataclass(frozen=True)
+class Checked:
+    """What was found of one lens.
+
+    Attributes:
+        checks: All checks.
+        suspects: Suspicious picks.
+        error: Why it could not be fitted, if it could not.
+    """
+
+    checks: tuple[Check, ...]
+    suspects: tuple[Suspect, ...] = ()
+    error: PlumblineError | None = None
+
+
+def check_lenses(
+    parts: Sequence[Observations],
+    model: str,
+    free: tuple[str, ...] | None,
+    hold: tuple[str, ...],
+    narration: Console,
+) -> list[Checked]:
+    """Check one lens after the other.
+
+    Raises:
+        PlumblineError: a coefficient or the model is unknown, or a photo is no rectilinear one.
+    """
+    chosen = get_model(model)
+    found: list[Checked] = []
+    for part in parts:
+        fitted = plan(chosen, part.lenses[0], free, hold, None).free
+        radial = [name for name in fitted if name in chosen.radial]
+        before = before_fit(part, len(fitted), len(radial))
+        with narration.status("Fitting…"):
+            from plumbline.fit.calibrate import calibrate
+
+            try:
+                made = calibrate(part, model, free=free, hold=hold)
+            except PlumblineError as error:
+                named = name_the_source(error, part, len(parts))
+                found.append(Checked(before, error=named))
+                continue
+        found.append(Checked((*before, *after_fit(made)), made.suspects))
+    return found

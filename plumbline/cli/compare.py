@@ -1,0 +1,53 @@
+"""`plumbline compare`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from plumbline.cli import options
+
+_HELP = """Compare the distortion models on the same picks, and recommend one.
+
+Every model is fitted to POINTS. What counts is how straight it leaves lines that took no part in
+its fit, and by how many pixels its curve differs from the others'; a simpler model is recommended
+where the difference does not matter. Models that are the same in other words share a row.
+`plumbline fit --model auto` fits the recommended one.
+
+\b
+Examples:
+  plumbline compare building.pto
+  plumbline compare picks.csv --photo facade.jpg
+  plumbline compare building.pto --json
+"""
+
+
+@click.command("compare", help=_HELP, short_help="Compare the distortion models on the same picks.")
+@click.argument("points", nargs=-1, required=True)
+@options.reading
+@click.option("--json", "as_json", is_flag=True, help="Print the table as JSON.")
+def command(points: tuple[str, ...], as_json: bool, **options: Any) -> None:
+    """Read, compare, print."""
+    from rich.console import Console
+
+    from plumbline.cli.fitting import compare_lenses
+    from plumbline.cli.pipeline import parts_of
+    from plumbline.comparison import as_dict
+
+    parts = parts_of(points, options)
+    comparisons = compare_lenses(parts, Console(stderr=True))
+    if as_json:
+        import json
+
+        whole = {"comparisons": [as_dict(each) for each in comparisons]}
+        click.echo(json.dumps(whole, indent=2, ensure_ascii=False, allow_nan=False))
+        return
+    from plumbline.report.comparison import print_comparison
+    from plumbline.report.terminal import WideConsole, print_title
+
+    console = WideConsole()
+    for part, comparison in zip(parts, comparisons, strict=True):
+        if len(parts) > 1:
+            print_title(console, part)
+        print_comparison(console, comparison)

@@ -1,0 +1,155 @@
+"""Fit the lenses of a project: `plumbline fit` minus its parsing."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, contextmanager
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from plumbline.cli.pipeline import name_the_source
+from plumbline.errors import OptionError, PlumblineError
+
+if TYPE_CHECKING:
+    from collections.abc import Generator
+
+    from rich.console import Console
+
+    from plumbline.calibration import Calibration
+    from plumbline.comparison import Comparison
+    from plumbline.observations import Observations
+
+AUTO = "auto"
+
+
+@dataclass(frozen=True)
+class Wishes:
+    """How the user wants lenses fitted.
+
+    Attributes:
+        model: Name of the model, or "auto" for the one that `compare` recommends.
+        free: Coefficients to fit; None by default.
+        hold: Coefficients not to fit.
+        start: Start vector.
+        residual: Kind of residual.
+        robust: Leave suspicious picks out.
+        bootstrap: Number of bootstrap fits; 0 for none.
+    """
+
+    model: str
+    free: tuple[str, ...] | None
+    hold: tuple[str, ...]
+    start: Any
+    residual: Any
+    robust: bool
+    bootstrap: int
+
+    def checked(self) -> Wishes:
+        """The same, if it makes sense.
+
+        Raises:
+            OptionError: coefficients are named for a model that is yet to be chosen.
+            UnsupportedModelError: there is no such model.
+        """
+        from plumbline.models import get_model
+
+        if self.model != AUTO:
+            get_model(self.model)
+        elif self.free or self.hold or self.start is not None:
+            raise OptionError(
+                "--model auto chooses the model and its coefficients itself",
+                hint="leave out --free, --hold and --start, or name the model",
+            )
+        return self
+
+
+def fit_lenses(
+    parts: Sequence[Observations], wishes: Wishes, narration: Console
+) -> list[Calibration]:
+    """Fit one lens after the other.
+
+    Raises:
+        PlumblineError: as `calibrate`; the sentence says which files and photos it is about.
+    """
+    made: list[Calibration] = []
+    for part in parts:
+        with _named(part, len(parts)):
+            calibration = _fitted(part, wishes, narration)
+            if wishes.bootstrap:
+                calibration = _again(calibration, wishes.bootstrap, narration)
+            made.append(calibration)
+    return made
+
+
+def compare_lenses(parts: Sequence[Observations], narration: Console) -> list[Comparison]:
+    """Compare all models on one lens after the other.
+
+    Raises:
+        PlumblineError: as `compare`; the sentence says which files and photos it is about.
+    """
+    made: list[Comparison] = []
+    for part in parts:
+        with _named(part, len(parts)):
+            made.append(_compared(part, narration))
+    return made
+
+
+def _compared(part: Observations, narration: Console) -> Comparison:
+    from plumbline.fit.compare import ROWS, compare
+
+    with _progress(narration, "Comparing models", len(ROWS)) as advance:
+        return compare(part, lambda: advance(1))
+
+
+def _fitted(part: Observations, wishes: Wishes, narration: Console) -> Calibration:
+    model, free, note = wishes.model, wishes.free, ""
+    if model == AUTO:
+        comparison = _compared(part, narration)
+        chosen = comparison.candidates[comparison.recommended]
+        model, free = chosen.model, chosen.free
+        note = f"{chosen.name} was chosen: {comparison.reason}"
+    with narration.status("Fitting…"):
+        from plumbline.fit.calibrate import calibrate
+
+        made = calibrate(
+            part,
+            model,
+            free=free,
+            hold=wishes.hold,
+            start=wishes.start,
+            residual=wishes.residual,
+            robust=wishes.robust,
+        )
+    return replace(made, remarks=(*made.remarks, note)) if note else made
+
+
+def _again(made: Calibration, fits: int, narration: Console) -> Calibration:
+    from plumbline.fit.bootstrap import bootstrap
+
+    with _progress(narration, "Bootstrap", fits) as advance:
+        return bootstrap(made, fits, advance)
+
+
+def _progress(
+    narration: Console, what: str, total: int
+) -> AbstractContextManager[Callable[[int], object]]:
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+    from rich.progress import TimeRemainingColumn as Remaining
+
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), Remaining())
+
+    @contextmanager
+    def running() -> Generator[Callable[[int], object]]:
+        with Progress(*columns, console=narration, transient=True) as progress:
+            task = progress.add_task(what, total=total)
+            yield lambda steps: progress.advance(task, steps)
+
+    return running()
+
+
+@contextmanager
+def _named(part: Observations, n_parts: int) -> Generator[None]:
+    try:
+        yield
+    except PlumblineError as error:
+        raise name_the_source(error, part, n_parts) from None

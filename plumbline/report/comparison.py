@@ -1,0 +1,79 @@
+"""The comparison of models on the terminal."""
+
+from __future__ import annotations
+
+from rich import box
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from plumbline.calibration import Calibration
+from plumbline.comparison import Candidate, Comparison
+from plumbline.errors import printable
+from plumbline.models import CENTRE
+
+
+def print_comparison(console: Console, comparison: Comparison) -> None:
+    """Print the table, the coefficients, what is recommended and why."""
+    console.print(comparison_table(comparison))
+    for candidate in comparison.candidates:
+        made = candidate.calibration
+        told = candidate.failure if made is None else ", ".join(_coefficients(made))
+        _print(console, f"{candidate.name}: {escape(printable(told))}")
+    chosen = comparison.candidates[comparison.recommended]
+    _print(
+        console, f"\n[bold]Recommended: {chosen.name}[/]; {escape(printable(comparison.reason))}"
+    )
+    if comparison.centre:
+        _print(console, f"• {escape(printable(comparison.centre))}")
+    made = comparison.calibration
+    suspects = sum(len(suspect.picks) for suspect in made.suspects if suspect.left_out)
+    if suspects:
+        _print(
+            console,
+            f"• {suspects} suspicious {'pick' if suspects == 1 else 'picks'} took part: see "
+            "plumbline check, and mend them first",
+        )
+    free = ",".join(chosen.free)
+    _print(console, f"Fit it with --model {chosen.model} --free {free}, or with --model auto")
+
+
+def comparison_table(comparison: Comparison) -> Table:
+    """All models, simple ones first; the recommended one is marked."""
+    table = Table(box=box.SIMPLE, pad_edge=False)
+    table.add_column("model", no_wrap=True)
+    for heading in ("rms", "AICc", "left out", "difference", "fold"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    least = min(each.aicc for each in comparison.candidates if each.aicc is not None)
+    for index, candidate in enumerate(comparison.candidates):
+        name = " = ".join((candidate.name, *candidate.equals))
+        style = "bold" if index == comparison.recommended else None
+        table.add_row(name, *_figures(candidate, least), style=style)
+    return table
+
+
+def _figures(candidate: Candidate, least: float) -> list[str]:
+    made = candidate.calibration
+    if made is None or candidate.aicc is None:
+        return ["no fit"]
+    return [
+        f"{made.rms_after_px:.3f} px",
+        f"{candidate.aicc - least:+.1f}",
+        "" if candidate.left_out_px is None else f"{candidate.left_out_px:.3f} px",
+        "" if candidate.difference_px is None else f"{candidate.difference_px:.2f} px",
+        "no" if candidate.fold_px is None else f"{candidate.fold_px:,.0f} px",
+    ]
+
+
+def _coefficients(made: Calibration) -> list[str]:
+    return [
+        f"{name} {value:+.1f} ± {made.standard_errors[name]:.1f} px"
+        if name in CENTRE
+        else f"{name} {value:+.4f} ± {made.standard_errors[name]:.4f}"
+        for name, value in made.coefficients.items()
+        if name in made.free
+    ]
+
+
+def _print(console: Console, text: str) -> None:
+    console.print(text, highlight=False, soft_wrap=True)
