@@ -90,7 +90,7 @@ def placed_lines(observations: Observations) -> Placed:
     points = _points(observations)
     sizes = np.array([len(line.points_px) for line in observations.lines], dtype=np.int64)
     number = line_numbers(sizes)
-    lines = fit_lines(points, number, len(sizes), np.ones(len(points)))
+    lines = fit_lines(points, sizes, np.ones(len(points)))
     along, _ = lines.place(points, number)
     starts = np.cumsum(sizes) - sizes
     length = np.maximum.reduceat(along, starts) - np.minimum.reduceat(along, starts)

@@ -137,7 +137,7 @@ def linearise(
     line = line_numbers(sizes)
     ideal = undistorted(lens, observed_px)
     seen = np.isfinite(ideal.uv).all(axis=1)
-    lines = fit_lines(ideal.uv, line, len(sizes), (kept & seen).astype(np.float64))
+    lines = fit_lines(ideal.uv, sizes, (kept & seen).astype(np.float64))
     along, distance = lines.place(ideal.uv, line)
     stretch = across_stretch(ideal, lines.across[line])
     scale = stretch if image else np.ones_like(stretch)

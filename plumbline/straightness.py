@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from plumbline.frame import Array
 from plumbline.observations import Observations
+
+_T = TypeVar("_T", bound=np.generic)
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,9 +43,9 @@ class Lines:
             points: Shape (n, 2).
             line: Which line each is compared with, shape (n,).
         """
-        away = points - self.centre[line]
-        along, across = self.along[line], self.across[line]
-        return np.sum(away * along, axis=1), np.sum(away * across, axis=1)
+        x, y = (points - self.centre[line]).T
+        cosine, sine = self.along[line].T
+        return x * cosine + y * sine, y * cosine - x * sine
 
 
 def line_numbers(sizes: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -51,27 +53,28 @@ def line_numbers(sizes: NDArray[np.int64]) -> NDArray[np.int64]:
     return np.repeat(np.arange(len(sizes)), sizes)
 
 
-def fit_lines(points: Array, line: NDArray[np.int64], n_lines: int, weight: Array) -> Lines:
+def by_line(values: NDArray[_T], sizes: NDArray[np.int64]) -> tuple[NDArray[_T], ...]:
+    """Values of picks that stand line after line, as one array a line."""
+    ends = np.cumsum(sizes).tolist()
+    return tuple(values[end - size : end] for end, size in zip(ends, sizes.tolist(), strict=True))
+
+
+def fit_lines(points: Array, sizes: NDArray[np.int64], weight: Array) -> Lines:
     """Fit lines by orthogonal least squares.
 
     tan 2θ = 2 S_xy / (S_xx − S_yy) for the direction θ of the second moments (Pearson 1901).
 
     Args:
-        points: Shape (n, 2).
-        line: Which line each belongs to, shape (n,).
-        n_lines: Number of lines.
+        points: Shape (n, 2), line after line.
+        sizes: Number of points of each line, at least one.
         weight: 1 for points that count, 0 for others, shape (n,).
     """
-
-    def total(values: Array) -> Array:
-        return np.bincount(line, values * weight, n_lines).astype(np.float64)
-
-    counted = total(np.ones(len(line)))
-    divisor = np.maximum(counted, 1.0)
-    finite = np.where(weight[:, None] > 0, points, 0.0)
-    centre = np.stack([total(column) for column in finite.T], axis=1) / divisor[:, None]
-    x, y = np.where(weight[:, None] > 0, points - centre[line], 0.0).T
-    xx, xy, yy = total(x * x), total(x * y), total(y * y)
+    starts, line = np.cumsum(sizes) - sizes, line_numbers(sizes)
+    known = points if np.all(weight) else np.where(weight[:, None] > 0, points, 0.0)
+    counted = np.add.reduceat(weight, starts)
+    centre = np.add.reduceat(known, starts) / np.maximum(counted, 1.0)[:, None]
+    x, y = ((known - centre[line]) * weight[:, None]).T
+    xx, xy, yy = np.add.reduceat(np.stack((x * x, x * y, y * y), axis=1), starts).T
     cosine, sine = direction(xx, xy, yy)
     # A steep line runs down whichever way it leans, as in the compiled residual.
     turn = np.where((xx < yy) & (sine < 0), -1.0, 1.0)
@@ -88,8 +91,8 @@ def direction(xx: Any, xy: Any, yy: Any) -> tuple[Any, Any]:
 
 def along_and_across(points: Array) -> tuple[Array, Array]:
     """Position along their line and signed distance from it of points of shape (n, 2)."""
-    line = np.zeros(len(points), dtype=np.int64)
-    return fit_lines(points, line, 1, np.ones(len(points))).place(points, line)
+    lines = fit_lines(points, np.array([len(points)]), np.ones(len(points)))
+    return lines.place(points, np.zeros(len(points), dtype=np.int64))
 
 
 def straightness_before(
@@ -106,7 +109,6 @@ def straightness_before(
         [frames[line.photo].normalise(line.points_px, 1.0) for line in observations.lines]
     )
     sizes = np.array([len(line.points_px) for line in observations.lines], dtype=np.int64)
-    line = line_numbers(sizes)
     weight = np.ones(len(points)) if kept is None else np.concatenate(kept).astype(np.float64)
-    lines = fit_lines(points, line, len(sizes), weight)
-    return tuple(np.split(lines.place(points, line)[1], np.cumsum(sizes)[:-1]))
+    away = fit_lines(points, sizes, weight).place(points, line_numbers(sizes))[1]
+    return by_line(away, sizes)

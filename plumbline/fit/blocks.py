@@ -8,8 +8,9 @@ Padding has weight 0.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import groupby
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -73,16 +74,24 @@ def pack(observations: Observations, unit_px: float) -> Packed:
         observations: Checked observations.
         unit_px: Square pixels to a normalised radius of 1.
     """
-    points = [
-        observations.photos[line.photo].frame.normalise(line.points_px, unit_px)
-        for line in observations.lines
-    ]
-    return pack_points(points)
+    sizes = np.array([len(line.points_px) for line in observations.lines], dtype=np.int64)
+    return _packed(np.concatenate(list(_normalised(observations, unit_px))), sizes)
+
+
+def _normalised(observations: Observations, unit_px: float) -> Iterator[Array]:
+    """Points of neighbouring lines in one photo, normalised together."""
+    for photo, lines in groupby(observations.lines, key=lambda line: line.photo):
+        points_px = np.concatenate([line.points_px for line in lines])
+        yield observations.photos[photo].frame.normalise(points_px, unit_px)
 
 
 def pack_points(lines: Sequence[Array]) -> Packed:
     """Pack normalised lines, each of shape (n, 2)."""
     sizes = np.array([len(points) for points in lines], dtype=np.int64)
+    return _packed(np.concatenate(list(lines)), sizes)
+
+
+def _packed(points: Array, sizes: NDArray[np.int64]) -> Packed:
     width = _width(sizes)
     rows_of = -(-sizes // width)
     first_row = np.cumsum(rows_of) - rows_of
@@ -91,7 +100,7 @@ def pack_points(lines: Sequence[Array]) -> Packed:
     within = np.arange(sizes.sum()) - np.repeat(first_point, sizes)
     cells = np.repeat(first_row * width, sizes) + within
     xy = np.zeros((rows * width, 2))
-    xy[cells] = np.concatenate(lines)
+    xy[cells] = points
     weight = np.zeros(rows * width)
     weight[cells] = 1.0
     row_line = np.full(rows, rows - 1, dtype=np.int32)

@@ -92,7 +92,7 @@ def _resampled(made: Calibration, problem: Problem, rng: np.random.Generator) ->
     lens, linear = made.lens, made.linearised
     observed_px = np.concatenate(in_frame(made.observations, lens.frame))
     ideal = undistorted(lens, observed_px)
-    lines = fit_lines(ideal.uv, linear.line, linear.n_lines, linear.kept.astype(np.float64))
+    lines = fit_lines(ideal.uv, problem.packed.sizes, linear.kept.astype(np.float64))
     across = np.einsum("nij,ni->nj", ideal.stretch, lines.across[linear.line])
     across = across / np.hypot(*across.T)[:, None] / problem.blank.unit_px
     block, cells = problem.packed.block, problem.packed.cells

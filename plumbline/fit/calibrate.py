@@ -19,6 +19,9 @@ from plumbline.fit.task import Solution
 from plumbline.models import get_model
 from plumbline.observations import Observations
 
+_CHUNK = 4 * BATCH
+"""Problems that a thread fits and screens in one go."""
+
 
 def calibrate(
     observations: Observations,
@@ -103,14 +106,15 @@ def calibrate_many(
         prepared.append(made)
         batches.setdefault(made.packed.shape, []).append(index)
     chunks = [
-        members[first : first + BATCH]
+        members[first : first + _CHUNK]
         for members in batches.values()
-        for first in range(0, len(members), BATCH)
+        for first in range(0, len(members), _CHUNK)
     ]
 
     def fitted(chunk: list[int]) -> list[Calibration]:
         problems = [prepared[index] for index in chunk]
-        solutions = solve_many(get_model(model), [problem.task for problem in problems])
+        tasks = [problem.task for problem in problems]
+        solutions = solve_many(get_model(model), tasks)
         return _finished(problems, solutions, chunk, robust=robust, numbered=True)
 
     results: dict[int, Calibration] = {}

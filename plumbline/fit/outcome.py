@@ -18,6 +18,7 @@ from plumbline.fit.uncertainty import (
 )
 from plumbline.lens import Lens
 from plumbline.models import CENTRE
+from plumbline.straightness import by_line
 from plumbline.suspect import Suspect
 
 _SETTLED_PX = 1e-4
@@ -39,7 +40,7 @@ def finish(problem: Problem, solution: Solution, suspects: tuple[Suspect, ...] =
     lens = lens_of(problem, solution)
     refuse_collapsed(lens, float(solution.scale), int(solution.folded))
     fitted = packed.unpack(solution.residual)
-    residuals_px = tuple(np.split(fitted, np.cumsum(packed.sizes)[:-1]))
+    residuals_px = by_line(fitted, packed.sizes)
     sigma_px = float(np.sqrt(fitted @ fitted / problem.dof))
     labels = [line.label for line in problem.observations.lines]
     refuse_bent(sigma_px, lens.frame.radius_px, labels, residuals_px)
@@ -64,7 +65,7 @@ def finish(problem: Problem, solution: Solution, suspects: tuple[Suspect, ...] =
         if converged
         else f"the fit stopped after {int(solution.steps)} steps without reaching a minimum",
         remarks=chosen.notes,
-        kept=tuple(np.split(problem.kept, np.cumsum(packed.sizes)[:-1])),
+        kept=by_line(problem.kept, packed.sizes),
         suspects=suspects,
     )
     if problem.residual == "corrected":
@@ -95,8 +96,8 @@ def _with_sandwich(made: Calibration) -> Calibration:
 
 def _with_left_out(made: Calibration) -> Calibration:
     """Residuals of the picks left out, which the solver gives as 0."""
-    ends = np.cumsum([len(values) for values in made.residuals_px])[:-1]
+    sizes = np.array([len(values) for values in made.residuals_px])
     every = np.where(
         np.concatenate(made.kept), np.concatenate(made.residuals_px), made.linearised.residual_px
     )
-    return replace(made, residuals_px=tuple(np.split(every, ends)))
+    return replace(made, residuals_px=by_line(every, sizes))

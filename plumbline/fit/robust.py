@@ -12,7 +12,7 @@ and 1; P. Rousseeuw and A. Leroy, "Robust Regression and Outlier Detection", 198
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import comb
 
 import numpy as np
@@ -80,7 +80,7 @@ def robust_fits(problems: Sequence[Problem], solutions: Sequence[Solution]) -> l
         None where nothing is suspicious and the plain fit is the robust one.
     """
     picks = picks_at(problems, solutions)
-    screened = screen(picks)
+    screened = screen(picks, glance=True)
     spoiled = np.bincount(picks.problem, ~screened.kept, len(problems)) > 0
     odd = _odd(picks, screened)
     made: list[Robust | None] = []
@@ -117,12 +117,8 @@ def _fit(problem: Problem, plain: Solution, kept: NDArray[np.bool_] | None) -> R
         kept = _first_belief(problem, plain)
     seen: list[NDArray[np.bool_]] = []
     found: Robust | None = None
-    settled = False
-    while len(seen) < _MOST_ROUNDS:
-        if any(np.array_equal(kept, other) for other in seen):
-            if settled:
-                break
-            settled, seen = True, []
+    by_leverage = False
+    while len(seen) < _MOST_ROUNDS and not any(np.array_equal(kept, other) for other in seen):
         seen.append(kept)
         try:
             believed = problem.keeping(kept)
@@ -130,11 +126,13 @@ def _fit(problem: Problem, plain: Solution, kept: NDArray[np.bool_] | None) -> R
             return found
         solution = solve(problem.model, believed.task)
         picks = picks_at([problem], [solution])
-        screened = screen(picks)
-        if settled:
-            screened = replace(screened, kept=_by_leverage(believed, solution))
-        found = Robust(believed, solution, picks, screened)
-        kept = screened.kept & ~_lost(picks, screened)[picks.line]
+        found = Robust(believed, solution, picks, screen(picks))
+        lost = _lost(picks, found.screened)[picks.line]
+        if not by_leverage:
+            kept = found.screened.kept & ~lost
+            by_leverage = any(np.array_equal(kept, other) for other in seen)
+        if by_leverage:
+            kept = _by_leverage(believed, solution) & ~lost
     return found
 
 

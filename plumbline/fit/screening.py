@@ -24,9 +24,9 @@ from plumbline.linearised import across_stretch
 from plumbline.straightness import Lines, fit_lines, line_numbers
 from plumbline.student import quantile
 
-_PAIRS = 28
-_CHUNK = 1 << 20
-_MOST_ROUNDS = 20
+_PAIRS, _FEWER_PAIRS = 28, 10
+_CHUNK = 1 << 15
+_MOST_ROUNDS, _GLANCE = 20, 2
 _BEYOND = 2.5
 FINEST_PX = 0.01
 """Nobody picks better than this; below, rounding is no reason for suspicion."""
@@ -89,35 +89,44 @@ def picks_at(problems: Sequence[Problem], solutions: Sequence[Solution]) -> Pick
     return Picks(Ideal(ideal * units, slopes), sizes, line_numbers(sizes), of_problem, n_free)
 
 
-def screen(picks: Picks) -> Screened:
-    """Find the picks that lie on straight lines with the others."""
-    lines, _ = least_median_lines(picks.ideal, picks.sizes)
+def screen(picks: Picks, *, glance: bool = False) -> Screened:
+    """Find the picks that lie on straight lines with the others.
+
+    Args:
+        picks: The picks, of one or several problems.
+        glance: Only look whether all picks of a problem lie on straight lines, under a lens that
+            is right if they do.
+    """
+    lines, _ = least_median_lines(picks.ideal, picks.sizes, _FEWER_PAIRS if glance else _PAIRS)
     distance_px = _distances(picks, lines)
     sigma_px = _first_sigma(picks, np.abs(distance_px))
     kept = np.isfinite(distance_px)
     leverage = np.zeros(len(kept))
-    for _ in range(_MOST_ROUNDS):
+    for done in range(_GLANCE if glance else _MOST_ROUNDS):
         reach = _reach(picks, kept)[picks.problem]
         room = np.where(kept, np.maximum(1 - leverage, 0.05), 1 + leverage)
         before, kept = kept, np.abs(distance_px) < reach * sigma_px[picks.problem] * np.sqrt(room)
         kept &= (np.bincount(picks.line, kept, len(picks.sizes)) >= 2)[picks.line]
-        lines = fit_lines(picks.ideal.uv, picks.line, len(picks.sizes), kept.astype(np.float64))
+        lines = fit_lines(picks.ideal.uv, picks.sizes, kept.astype(np.float64))
         distance_px = _distances(picks, lines)
         along, _ = lines.place(picks.ideal.uv, picks.line)
         spread = np.where(lines.spread > 0, lines.spread, np.inf)[picks.line]
         leverage = 1 / np.maximum(lines.count, 1.0)[picks.line] + along**2 / spread
         sigma_px = _sigma(picks, kept, distance_px)
-        if np.array_equal(kept, before):
+        if done and np.array_equal(kept, before):
             break
     return Screened(kept, sigma_px, lines, distance_px)
 
 
-def least_median_lines(ideal: Ideal, sizes: NDArray[np.int64]) -> tuple[Lines, Array]:
+def least_median_lines(
+    ideal: Ideal, sizes: NDArray[np.int64], pairs: int = _PAIRS
+) -> tuple[Lines, Array]:
     """For every line that through the pair of its picks with the least median distance.
 
     Args:
         ideal: The picks, line after line.
         sizes: Number of picks of each line.
+        pairs: How many pairs of a line are tried at the most.
 
     Returns:
         The lines, and the median distance of each in pixels of the photograph, shape (l,).
@@ -129,19 +138,20 @@ def least_median_lines(ideal: Ideal, sizes: NDArray[np.int64]) -> tuple[Lines, A
     median = np.zeros(len(sizes))
     for size in np.unique(sizes):
         members = np.flatnonzero(sizes == size)
-        step = max(1, _CHUNK // (int(size) * _PAIRS))
+        step = max(1, _CHUNK // (int(size) * pairs))
         for first in range(0, len(members), step):
             chosen = members[first : first + step]
             rows = starts[chosen, None] + np.arange(size)
-            found = _least_median(ideal.uv[rows], scale[rows])
+            found = _least_median(ideal.uv[rows], scale[rows], _pairs(int(size), pairs))
             origin[chosen], along[chosen], median[chosen] = found
     return Lines(origin, along, sizes.astype(np.float64), np.ones(len(sizes))), median
 
 
-def _least_median(uv: Array, scale: Array) -> tuple[Array, Array, Array]:
+def _least_median(
+    uv: Array, scale: Array, pairs: tuple[NDArray[np.int64], NDArray[np.int64]]
+) -> tuple[Array, Array, Array]:
     """The same for lines of one size: shapes (l, n, 2) and (l, n)."""
-    n = uv.shape[1]
-    first, second = _pairs(n)
+    first, second = pairs
     origin = uv[:, first]
     along = uv[:, second] - origin
     length = np.hypot(along[..., 0], along[..., 1])
@@ -149,7 +159,7 @@ def _least_median(uv: Array, scale: Array) -> tuple[Array, Array, Array]:
     x = uv[:, None, :, 0] - origin[:, :, None, 0]
     y = uv[:, None, :, 1] - origin[:, :, None, 1]
     distance = np.abs(along[:, :, None, 0] * y - along[:, :, None, 1] * x) / scale[:, None]
-    middle = n // 2
+    middle = uv.shape[1] // 2
     medians = np.partition(np.where(np.isnan(distance), np.inf, distance), middle, axis=2)
     medians = medians[:, :, middle]
     best = np.argmin(medians, axis=1)
@@ -159,13 +169,13 @@ def _least_median(uv: Array, scale: Array) -> tuple[Array, Array, Array]:
 
 
 @cache
-def _pairs(n: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _pairs(n: int, most: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Pairs of picks to draw lines through: all of few, else some that lie well apart."""
     first, second = np.triu_indices(n, 1)
-    if len(first) > _PAIRS:
+    if len(first) > most:
         far = second - first >= n / 3
         first, second = first[far], second[far]
-        some = np.random.default_rng(n).permutation(len(first))[:_PAIRS]
+        some = np.random.default_rng(n).permutation(len(first))[:most]
         first, second = first[some], second[some]
     return first, second
 
@@ -226,7 +236,6 @@ def _dof(picks: Picks, kept: NDArray[np.bool_]) -> NDArray[np.int64]:
 
 
 def _reach(picks: Picks, kept: NDArray[np.bool_]) -> Array:
-    """How many σ a pick may lie from its line: one good pick in 2,000 lies farther, or fewer."""
     counts = np.bincount(picks.problem, minlength=len(picks.n_free)).tolist()
     every = zip(_dof(picks, kept).tolist(), counts, strict=True)
     return np.array([reach(dof, count) for dof, count in every])
@@ -234,5 +243,8 @@ def _reach(picks: Picks, kept: NDArray[np.bool_]) -> Array:
 
 @cache
 def reach(dof: int, n: int) -> float:
-    """The studentised residual that a pick is suspicious beyond."""
-    return quantile(1 - min(5e-4, 0.1 / n) / 2, max(dof - 1, 1))
+    """The studentised residual beyond which a pick is suspicious.
+
+    One good pick in 2,000 lies farther out, and a pick of one good set in fifty.
+    """
+    return quantile(1 - min(5e-4, 0.02 / n) / 2, max(dof - 1, 1))

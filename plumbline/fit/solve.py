@@ -31,11 +31,18 @@ def solve(model: Model, task: Task) -> Solution:
 
 
 def solve_many(model: Model, tasks: Sequence[Task]) -> list[Solution]:
-    """Fit at most `BATCH` problems whose blocks have one shape, in one program.
+    """Fit problems whose blocks have one shape, `BATCH` at a time in one program.
 
-    The batch is filled up with repetitions, so that every batch of that shape shares it; a few
-    problems are quicker one by one.
+    The last batch is filled up with repetitions, so that all of that shape share the program; a
+    few problems are quicker one by one.
     """
+    solved: list[Solution] = []
+    for first in range(0, len(tasks), BATCH):
+        solved += _solve_batch(model, tasks[first : first + BATCH])
+    return solved
+
+
+def _solve_batch(model: Model, tasks: Sequence[Task]) -> list[Solution]:
     if len(tasks) <= _FEW:
         return [solve(model, task) for task in tasks]
     filled = [*tasks, *[tasks[-1]] * (BATCH - len(tasks))]

@@ -42,7 +42,7 @@ def comparison_table(comparison: Comparison) -> Table:
     """All models, simple ones first; the recommended one is marked."""
     table = Table(box=box.SIMPLE, pad_edge=False)
     table.add_column("model", no_wrap=True)
-    for heading in ("rms", "AICc", "left out", "difference", "fold"):
+    for heading in ("rms px", "AICc", "left out px", "off best px", "folds"):
         table.add_column(heading, justify="right", no_wrap=True)
     least = min(each.aicc for each in comparison.candidates if each.aicc is not None)
     for index, candidate in enumerate(comparison.candidates):
@@ -57,11 +57,11 @@ def _figures(candidate: Candidate, least: float) -> list[str]:
     if made is None or candidate.aicc is None:
         return ["no fit"]
     return [
-        f"{made.rms_after_px:.3f} px",
+        f"{made.rms_after_px:.3f}",
         f"{candidate.aicc - least:+.1f}",
-        "" if candidate.left_out_px is None else f"{candidate.left_out_px:.3f} px",
-        "" if candidate.difference_px is None else f"{candidate.difference_px:.2f} px",
-        "no" if candidate.fold_px is None else f"{candidate.fold_px:,.0f} px",
+        "" if candidate.left_out_px is None else f"{candidate.left_out_px:.3f}",
+        "" if candidate.difference_px is None else f"{candidate.difference_px:.2f}",
+        "no" if candidate.fold_px is None else f"at {candidate.fold_px:,.0f} px",
     ]
 
 
