@@ -26,7 +26,9 @@ from plumbline.fit.screening import (
     FINEST_PX,
     Picks,
     Screened,
+    closest,
     distance_from,
+    distances,
     least_median_lines,
     picks_at,
     reach,
@@ -47,9 +49,24 @@ _MASKED, _WILD = 0.8, 1 / 300
 """Below this share of the plain fit's σ̂ the believed picks' own, or above this share of R the
 plain fit's, bad picks may be hiding each other.
 """
-_BENDS = tuple(np.linspace(-0.97, 0.9, 48).tolist())
+_STARTS = 3
+_STEPS, _FINEST_STEP = (0.03, 0.0375), 5e-4
 _MOST_LINES = 64
-_LEAST_PX, _FAR_PX = 0.1, 1e6
+_LEAST_PX, _FAR_PX = 0.3, 1e6
+
+
+def _bends() -> tuple[tuple[float, float], ...]:
+    """l1 and l2 of the division model, at a reach of 1, that neither fold nor have a pole."""
+    s = np.linspace(0.0, 1.0, 33)
+    return tuple(
+        (one, two)
+        for one in np.linspace(-0.96, 0.96, 33).tolist()
+        for two in np.linspace(-0.3, 0.3, 9).tolist()
+        if np.all(1 + one * s + two * s**2 > 0.03) and np.all(1 - one * s - 3 * two * s**2 > 0.03)
+    )
+
+
+_BENDS = _bends()
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +107,8 @@ def robust_fits(problems: Sequence[Problem], solutions: Sequence[Solution]) -> l
         if spoiled[index] or wild:
             masked = wild or not screened.sigma_px[index] > _MASKED * plain_px
             kept = screened.kept[picks.problem == index]
-            made.append(_fit(problem, solution, None if masked else kept))
+            beliefs = _beliefs(problem, solution) if masked else [kept]
+            made.append(_best([_fit(problem, belief) for belief in beliefs]))
         elif odd[index]:
             alone = picks_at([problem], [solution])
             made.append(Robust(problem, solution, alone, screen(alone)))
@@ -111,10 +129,24 @@ def _odd(picks: Picks, screened: Screened) -> NDArray[np.bool_]:
     return odd
 
 
-def _fit(problem: Problem, plain: Solution, kept: NDArray[np.bool_] | None) -> Robust | None:
-    """Decide lens and picks in turn."""
-    if kept is None:
-        kept = _first_belief(problem, plain)
+def _best(found: Sequence[Robust | None]) -> Robust | None:
+    """The likeliest fit: good picks scatter by σ, wrong ones anywhere within a tenth of R."""
+
+    def unlikely(each: Robust) -> float:
+        kept = int(np.count_nonzero(each.problem.kept))
+        square = float(np.sum(np.where(each.problem.kept, each.screened.distance_px, 0.0) ** 2))
+        sigma_px = max(float(np.sqrt(square / each.problem.dof)), FINEST_PX)
+        wrong_px = each.problem.blank.frame.radius_px / 10
+        return each.problem.dof * np.log(sigma_px) + (len(each.problem.kept) - kept) * np.log(
+            wrong_px
+        )
+
+    fits = [each for each in found if each is not None]
+    return min(fits, key=unlikely) if fits else None
+
+
+def _fit(problem: Problem, kept: NDArray[np.bool_]) -> Robust | None:
+    """Decide lens and picks in turn, from a first belief."""
     seen: list[NDArray[np.bool_]] = []
     found: Robust | None = None
     by_leverage = False
@@ -183,27 +215,49 @@ def _by_chance(picks: Picks, screened: Screened, line: int) -> float:
     return comb(int(picks.sizes[line]), agreeing) * share ** (agreeing - 2)
 
 
-def _first_belief(problem: Problem, plain: Solution) -> NDArray[np.bool_]:
-    """Which picks lie on straight lines under the best of many lenses."""
-    every = np.arange(len(problem.packed.sizes))
-    telling = _telling_lines(problem)
+def _beliefs(problem: Problem, plain: Solution) -> list[NDArray[np.bool_]]:
+    """Which picks lie on straight lines under the best of many lenses, and under the plain one."""
+    telling, every = _telling_lines(problem), np.arange(len(problem.packed.sizes))
     costs = [_cost(_bent(problem, bend, telling)) for bend in _BENDS]
-    best = _bent(problem, _BENDS[int(np.argmin(costs))], every)
-    plainly = picks_at([problem], [plain])
-    if not int(plain.folded) and _cost(_only(plainly, telling)) < min(costs):
-        best = plainly
-    return screen(best).kept
+    rough = [_BENDS[number] for number in np.argsort(costs)[: 2 * _STARTS].tolist()]
+    fine = sorted(_refined(problem, bend, telling) for bend in rough)
+    lenses = [_bent(problem, bend, every) for _, bend in fine[:_STARTS]]
+    if not int(plain.folded):
+        lenses.append(picks_at([problem], [plain]))
+    return [closest(lens) for lens in lenses]
 
 
-def _bent(problem: Problem, bend: float, lines: NDArray[np.int64]) -> Picks:
+def _refined(
+    problem: Problem, bend: tuple[float, float], lines: NDArray[np.int64]
+) -> tuple[float, tuple[float, float]]:
+    """The lowest cost beside a lens of the grid, and the lens, by steps that are halved."""
+    steps, best = _STEPS, (_cost(_bent(problem, bend, lines)), bend)
+    while steps[0] > _FINEST_STEP:
+        around = [
+            (best[1][0] + i * steps[0], best[1][1] + j * steps[1])
+            for i in (-1, 0, 1)
+            for j in (-1, 0, 1)
+            if i or j
+        ]
+        lowest = min((_cost(_bent(problem, each, lines)), each) for each in around)
+        if lowest[0] < best[0]:
+            best = lowest
+        else:
+            steps = steps[0] / 2, steps[1] / 2
+    return best
+
+
+def _bent(problem: Problem, bend: tuple[float, float], lines: NDArray[np.int64]) -> Picks:
     """The picks of some lines under a lens of the division model."""
     packed, unit_px = problem.packed, problem.blank.unit_px
     held = np.array([problem.plan.start[name] for name in CENTRE])
     observed = packed.unpack(packed.block.xy) - held / pixels_of_centre(problem.blank)[-2:]
-    c = (bend / float(np.max(np.sum(observed**2, axis=1))), 0.0)
+    far2 = float(np.max(np.sum(observed**2, axis=1)))
+    c = bend[0] / far2, bend[1] / far2**2
     observed = observed[np.isin(line_numbers(packed.sizes), lines)]
     sizes = packed.sizes[lines]
-    ideal = observed / (1 + c[0] * np.sum(observed**2, axis=1))[:, None]
+    r2 = np.sum(observed**2, axis=1)
+    ideal = observed / (1 + c[0] * r2 + c[1] * r2**2)[:, None]
     slopes = stretch(get_model("division"), c, observed, ideal)
     one = np.zeros(len(observed), dtype=np.int64)
     return Picks(Ideal(ideal * unit_px, slopes), sizes, line_numbers(sizes), one, np.array([1]))
@@ -222,9 +276,10 @@ def _telling_lines(problem: Problem) -> NDArray[np.int64]:
 
 
 def _cost(picks: Picks) -> float:
-    """How straight the better halves of lines are: Σ n log(median distance)."""
-    _, median = least_median_lines(picks.ideal, picks.sizes)
-    return float(np.sum(picks.sizes * np.log(np.minimum(median, _FAR_PX) + _LEAST_PX)))
+    """How far picks lie from their least-median lines, wrong ones hardly more than others."""
+    lines, _ = least_median_lines(picks.ideal, picks.sizes)
+    away_px = np.minimum(np.abs(distances(picks, lines)), _FAR_PX)
+    return float(np.sum(np.log(away_px + _LEAST_PX)))
 
 
 def _only(picks: Picks, lines: NDArray[np.int64]) -> Picks:

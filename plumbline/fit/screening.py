@@ -28,6 +28,9 @@ _PAIRS, _FEWER_PAIRS = 28, 10
 _CHUNK = 1 << 15
 _MOST_ROUNDS, _GLANCE = 20, 2
 _BEYOND = 2.5
+_MOST_OF_MIDDLE, _MOST_OF_FIRST = 1.3, 1.6
+_CLOSE = 2.5
+_EXACT = 2  # each least-median line runs through two picks, which tell nothing of σ
 FINEST_PX = 0.01
 """Nobody picks better than this; below, rounding is no reason for suspicion."""
 
@@ -98,24 +101,36 @@ def screen(picks: Picks, *, glance: bool = False) -> Screened:
             is right if they do.
     """
     lines, _ = least_median_lines(picks.ideal, picks.sizes, _FEWER_PAIRS if glance else _PAIRS)
-    distance_px = _distances(picks, lines)
-    sigma_px = _first_sigma(picks, np.abs(distance_px))
+    distance_px = distances(picks, lines)
+    sigma_px = _middle(picks, np.abs(distance_px), _EXACT)
+    most_px = _MOST_OF_FIRST * sigma_px
     kept = np.isfinite(distance_px)
-    leverage = np.zeros(len(kept))
+    room = np.ones(len(kept))
     for done in range(_GLANCE if glance else _MOST_ROUNDS):
         reach = _reach(picks, kept)[picks.problem]
-        room = np.where(kept, np.maximum(1 - leverage, 0.05), 1 + leverage)
         before, kept = kept, np.abs(distance_px) < reach * sigma_px[picks.problem] * np.sqrt(room)
         kept &= (np.bincount(picks.line, kept, len(picks.sizes)) >= 2)[picks.line]
         lines = fit_lines(picks.ideal.uv, picks.sizes, kept.astype(np.float64))
-        distance_px = _distances(picks, lines)
+        distance_px = distances(picks, lines)
         along, _ = lines.place(picks.ideal.uv, picks.line)
         spread = np.where(lines.spread > 0, lines.spread, np.inf)[picks.line]
         leverage = 1 / np.maximum(lines.count, 1.0)[picks.line] + along**2 / spread
-        sigma_px = _sigma(picks, kept, distance_px)
+        room = np.where(kept, np.maximum(1 - leverage, 0.05), 1 + leverage)
+        # Where many picks are wrong, σ of the kept ones alone would grow to take them all in.
+        middle = _middle(picks, np.abs(distance_px) / np.sqrt(room), 0)
+        sigma_px = np.minimum(_sigma(picks, kept, distance_px), _MOST_OF_MIDDLE * middle)
+        sigma_px = np.minimum(sigma_px, most_px)
         if done and np.array_equal(kept, before):
             break
     return Screened(kept, sigma_px, lines, distance_px)
+
+
+def closest(picks: Picks) -> NDArray[np.bool_]:
+    """Which picks are near the least-median lines: a first belief under a lens that is rough."""
+    lines, _ = least_median_lines(picks.ideal, picks.sizes)
+    distance_px = np.abs(distances(picks, lines))
+    sigma_px = _middle(picks, distance_px, _EXACT)
+    return distance_px < _CLOSE * sigma_px[picks.problem]
 
 
 def least_median_lines(
@@ -197,7 +212,7 @@ def within(lines: Lines, uv: Array, other: int) -> NDArray[np.bool_]:
     return np.abs(along) <= _BEYOND * spread
 
 
-def _distances(picks: Picks, lines: Lines) -> Array:
+def distances(picks: Picks, lines: Lines) -> Array:
     """Distances in the photograph; infinite beyond the fold of the model."""
     _, distance = lines.place(picks.ideal.uv, picks.line)
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -205,8 +220,8 @@ def _distances(picks: Picks, lines: Lines) -> Array:
     return np.where(np.isfinite(image), image, np.inf)
 
 
-def _first_sigma(picks: Picks, distance_px: Array) -> Array:
-    """σ from the middle of the distances, the two picks that make each line left aside."""
+def _middle(picks: Picks, distance_px: Array, exact: int) -> Array:
+    """σ of each problem from the middle of its distances, `exact` a line that are 0 left aside."""
     n_problems = len(picks.n_free)
     order = np.lexsort((distance_px, picks.problem))
     counts = np.bincount(picks.problem, minlength=n_problems)
@@ -214,7 +229,8 @@ def _first_sigma(picks: Picks, distance_px: Array) -> Array:
     lines_of = np.bincount(
         picks.problem[np.cumsum(picks.sizes) - picks.sizes], minlength=n_problems
     )
-    rank = np.minimum(2 * lines_of + (counts - 2 * lines_of) // 2, counts - 1)
+    nothing = exact * lines_of
+    rank = np.minimum(nothing + (counts - nothing) // 2, counts - 1)
     middle = distance_px[order[firsts + rank]]
     return np.maximum(np.where(np.isfinite(middle), 1.4826 * middle, np.inf), FINEST_PX)
 

@@ -165,7 +165,16 @@ def plain(
     return plumbline.calibrate(picked), frozenset()
 
 
-def main(fit_robust: FitRobust = plain) -> None:
+def robust(
+    picked: plumbline.Observations,
+) -> tuple[plumbline.Calibration, AbstractSet[tuple[int, int]]]:
+    """The robust fit, and the picks it names; not the rest of a line it leaves out as a whole."""
+    made = plumbline.calibrate(picked, robust=True)
+    named = [each for each in made.suspects if each.left_out and each.kind != "no line"]
+    return made, {(each.line, pick) for each in named for pick in each.picks}
+
+
+def main(fit_robust: FitRobust = robust) -> None:
     """Run every spoiler on every group and print the table."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter

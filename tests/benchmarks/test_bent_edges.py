@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 import plumbline
-from tests.benchmarks.bent_edges import leave_one_out
+from tests.benchmarks.bent_edges import leave_one_out, own
 from tests.benchmarks.groups import ALIKE
 from tests.benchmarks.spoiling import bent
 from tests.benchmarks.trials import observations
@@ -28,3 +28,11 @@ def test_the_jackknife_s_errors_are_larger_where_edges_bend() -> None:
     crooked = np.median([_ratio(points) for points in bent(DENSE_GROUP, picks)])
     assert 0.5 < straight < 1.5
     assert crooked > 2
+
+
+def test_one_step_a_line_says_what_refits_without_each_line_say() -> None:
+    for points in bent(DENSE_GROUP, DENSE_GROUP.picks_px(3)):
+        made = plumbline.calibrate(observations(DENSE_GROUP, points))
+        step, refits = own(made), leave_one_out(made)
+        assert step.dof == refits.dof
+        np.testing.assert_allclose(step.covariance, refits.covariance, rtol=0.05)
