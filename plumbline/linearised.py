@@ -137,7 +137,9 @@ def linearise(
     line = line_numbers(sizes)
     ideal = undistorted(lens, observed_px)
     seen = np.isfinite(ideal.uv).all(axis=1)
-    lines = fit_lines(ideal.uv, sizes, (kept & seen).astype(np.float64))
+    # A line of which nothing is kept is still measured against itself.
+    whole = ~np.isin(line, line[kept & seen])
+    lines = fit_lines(ideal.uv, sizes, (seen & (kept | whole)).astype(np.float64))
     along, distance = lines.place(ideal.uv, line)
     stretch = across_stretch(ideal, lines.across[line])
     scale = stretch if image else np.ones_like(stretch)

@@ -25,8 +25,8 @@ class Suspect:
         picks: Which of the line's picks, counted from 0.
         kind: "stray", a pick on no line; "other line", it lies on another one; "exchanged", two
             picks have changed lines; "duplicate", two picks of one place; "bent line", an edge
-            that was not straight; "no line", what is left of a line of which no more than half
-            lies on one straight line, so that nobody can say which half is wrong.
+            that was not straight; "no line", the picks that agree on a line that is left
+            out as a whole, since so few may agree by chance.
         residual_px: Its distance from its line under the robust fit; the bend of a bent line.
         studentised: The same in units of its own standard deviation.
         left_out: Whether a robust fit leaves it out.

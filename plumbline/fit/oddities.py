@@ -79,17 +79,17 @@ def twins(line: NDArray[np.int64], along: Array, across: Array) -> NDArray[np.in
     Returns:
         Places of the two picks of each pair, shape (m, 2).
     """
-    order = np.lexsort((along, line))
+    known = np.flatnonzero(np.isfinite(along + across))
+    order = known[np.lexsort((along[known], line[known]))]
     first, second = order[:-1], order[1:]
     same = line[first] == line[second]
     gap = np.hypot(along[second] - along[first], across[second] - across[first])
     close = same & (gap < _SAME_PLACE_PX)
     if not np.any(close):
         return np.zeros((0, 2), dtype=np.int64)
-    counts = np.bincount(line)
-    starts = np.cumsum(counts) - counts
-    reach = np.abs(along[order[starts + counts - 1]] - along[order[starts]])
-    usual = reach / np.maximum(counts - 1, 1)
+    usual = np.zeros(int(line[-1]) + 1)
+    np.add.at(usual, line[first[same]], gap[same])
+    usual /= np.maximum(np.bincount(line[first[same]], minlength=len(usual)), 1)
     close &= gap < _SAME_SHARE * usual[line[first]]
     pairs = np.stack((first[close], second[close]), axis=1)
     return np.sort(pairs, axis=1)

@@ -280,11 +280,3 @@ def _cost(picks: Picks) -> float:
     lines, _ = least_median_lines(picks.ideal, picks.sizes)
     away_px = np.minimum(np.abs(distances(picks, lines)), _FAR_PX)
     return float(np.sum(np.log(away_px + _LEAST_PX)))
-
-
-def _only(picks: Picks, lines: NDArray[np.int64]) -> Picks:
-    """The picks of some lines of one problem."""
-    wanted = np.isin(picks.line, lines)
-    sizes = picks.sizes[lines]
-    ideal = Ideal(picks.ideal.uv[wanted], picks.ideal.stretch[wanted])
-    return Picks(ideal, sizes, line_numbers(sizes), picks.problem[wanted], picks.n_free)

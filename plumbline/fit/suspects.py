@@ -31,6 +31,8 @@ class _Scene:
         picks: All picks undistorted.
         lines: Lines through the kept ones.
         starts: First pick of each line.
+        distance_px: Distance of each pick from its line in the photograph; of a line left out as
+            a whole, from the line that most of its picks agree on.
         studentised: Residuals in units of their standard deviations.
         within_px: How far a good pick may lie from its line.
     """
@@ -40,6 +42,7 @@ class _Scene:
     picks: Picks
     lines: Lines
     starts: NDArray[np.int64]
+    distance_px: Array
     studentised: Array
     within_px: float
 
@@ -67,12 +70,15 @@ def suspects_of(made: Calibration, found: Robust) -> tuple[Suspect, ...]:
         found: The robust fit.
     """
     linear = made.linearised
+    lost = [line for line, which in enumerate(made.kept) if not which.any()]
+    lost_pick = np.isin(linear.line, lost)
     scene = _Scene(
         made,
         linear,
         found.picks,
         found.screened.lines,
         np.searchsorted(linear.line, np.arange(linear.n_lines)),
+        np.where(lost_pick, found.screened.distance_px, linear.image_px),
         linear.studentised(made.sigma_px),
         reach(made.dof, len(linear.line)) * made.sigma_px,
     )
@@ -80,8 +86,10 @@ def suspects_of(made: Calibration, found: Robust) -> tuple[Suspect, ...]:
     sigma_px = np.full(linear.n_lines, made.sigma_px)
     bend_px, bent = bends(linear.line, linear.along_px, linear.image_px, sigma_px)
     away = {int(n): _other_line(scene, int(n)) for n in np.flatnonzero(~kept)}
-    lost = [line for line, which in enumerate(made.kept) if not which.any()]
-    unclear = {n for n, there in away.items() if there is None and linear.line[n] in lost}
+    agreeing = found.screened.kept
+    unclear = {
+        n for n, there in away.items() if not there and agreeing[n] and linear.line[n] in lost
+    }
     wrong = [
         _wrong_pick(scene, number, away, on_bent=bool(bent[linear.line[number]]))
         for number in away
@@ -106,7 +114,7 @@ def _wrong_pick(
     scene: _Scene, number: int, away: dict[int, tuple[int, float] | None], *, on_bent: bool
 ) -> Suspect:
     line, place = scene.place(number)
-    residual_px = abs(float(scene.linear.image_px[number]))
+    residual_px = abs(float(scene.distance_px[number]))
     far = f"{residual_px:.1f} px from its line"
     sentence = f"{scene.pick(number)} lies {far if np.isfinite(residual_px) else 'beyond the fold'}"
     kind: Kind = "stray"
@@ -155,11 +163,11 @@ def _lost_line(scene: _Scene, line: int, unclear: set[int]) -> Suspect | None:
         line,
         tuple(scene.place(number)[1] for number in rows),
         "no line",
-        float(np.max(np.abs(scene.linear.image_px[rows]))),
+        float(np.max(np.abs(scene.distance_px[rows]))),
         float(np.max(np.abs(scene.studentised[rows]))),
         True,
-        f"{count(len(rows), 'pick')} of {scene.name(line)} left out: no more than half of its "
-        "picks lie on one straight line of their own",
+        f"{count(len(rows), 'pick')} of {scene.name(line)} left out: too few of its picks agree on "
+        "a straight line of their own",
     )
 
 
