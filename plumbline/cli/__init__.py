@@ -15,6 +15,7 @@ from plumbline.errors import PlumblineError, printable
 
 VERBS = {
     "fit": "Find the distortion that makes picked lines straight.",
+    "report": "Show a calibration as a page with figures, tables and checksums.",
     "correct": "Take the lens distortion out of photographs.",
     "convert": "Turn picked points into CSV or a Hugin project.",
     "lens": "Show which lens would be used for a photo, or keep a calibration for later.",

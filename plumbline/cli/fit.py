@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import click
@@ -21,6 +23,7 @@ Examples:
   plumbline fit picks.csv --photo facade.jpg --model poly3
   plumbline fit building.pto --free b -o b_alone.json
   plumbline fit building.pto --start a=0.03,b=-0.1,c=0.05
+  plumbline fit building.pto --report building.html --plot building.curve.svg
 """
 
 
@@ -64,6 +67,12 @@ Examples:
     metavar="FILE",
     help="Write this file (.pto, .xml or .json); may be given several times.",
 )
+@click.option(
+    "--report",
+    metavar="FILE",
+    help="Write a report: one HTML page with figures, tables and checksums.",
+)
+@options.plotting
 @options.overwriting
 @click.option("--json", "as_json", is_flag=True, help="Print the result as JSON.")
 @click.option("-v", "--verbose", is_flag=True, help="List every line, however many.")
@@ -76,6 +85,8 @@ def command(
     start: Any,
     residual: Any,
     output: tuple[str, ...],
+    report: str | None,
+    plots: tuple[str, ...],
     overwrite: bool,
     as_json: bool,
     verbose: bool,
@@ -93,13 +104,21 @@ def command(
     """Read, fit, write, print."""
     from rich.console import Console
 
-    from plumbline.cli.pipeline import gather, name_the_source, split_by_lens, write_results
+    from plumbline.cli.pipeline import (
+        command_line,
+        gather,
+        name_the_source,
+        split_by_lens,
+        write_results,
+    )
     from plumbline.errors import PlumblineError, printable
     from plumbline.models import get_model
     from plumbline.report.terminal import WideConsole, print_summary
+    from plumbline.report.writing import check_targets, report_contents
     from plumbline.writing import refuse_unsettled
 
     get_model(model)
+    check_targets(report, plots)
     labels = {
         "maker": maker,
         "model": lens_name,
@@ -122,9 +141,17 @@ def command(
                 )
             except PlumblineError as error:
                 raise name_the_source(error, part, len(parts)) from None
-            calibrations.append(made)
+            calibrations.append(replace(made, command=command_line()))
     refuse_unsettled(calibrations)
-    written, notes = write_results(calibrations, output, points[0], overwrite=overwrite)
+    drawn: dict[Path, bytes] = {}
+    unseen: list[str] = []
+    if report is not None or plots:
+        with narration.status("Drawing…"):
+            drawn, unseen = report_contents(
+                calibrations, report, plots, photo=how["photo"], overwrite=overwrite
+            )
+    written, notes = write_results(calibrations, output, points[0], drawn, overwrite=overwrite)
+    notes += unseen
     if as_json:
         from plumbline.result_json import to_json
 

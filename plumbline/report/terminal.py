@@ -59,7 +59,7 @@ def print_summary(
     for index, made in enumerate(calibrations):
         if len(calibrations) > 1:
             console.print(
-                f"{'' if index == 0 or quiet else chr(10)}[bold]{_plain(_title(made))}[/]"
+                f"{'' if index == 0 or quiet else chr(10)}[bold]{_plain(lens_title(made))}[/]"
             )
         console.print(f"[bold]{finding_sentence(made)}[/]", highlight=False, soft_wrap=True)
         if quiet:
@@ -108,7 +108,7 @@ def coefficients_table(made: Calibration) -> Table:
     errors = made.standard_errors
     for name, value in made.coefficients.items():
         least, unit = (3, " px") if name in CENTRE else (6, "")
-        digits = _decimals(errors.get(name, value), least)
+        digits = decimals(errors.get(name, value), least)
         if name not in errors:
             table.add_row(name, f"{value:.{digits}f}{unit}", "held", "", "")
             continue
@@ -123,7 +123,7 @@ def coefficients_table(made: Calibration) -> Table:
     return table
 
 
-def _decimals(size: float, least: int) -> int:
+def decimals(size: float, least: int) -> int:
     """How many decimals show two significant digits of a number, and at least so many."""
     known = isfinite(size) and size != 0
     return max(least, 1 - floor(log10(abs(size)))) if known else least
@@ -154,7 +154,8 @@ def lines_table(made: Calibration, *, everything: bool = False) -> Table:
     return table
 
 
-def _title(made: Calibration) -> str:
+def lens_title(made: Calibration) -> str:
+    """The names of the photos of a lens, and its focal length where it is known."""
     names = ", ".join(
         photo.name or photo.source or f"photo {photo.number}" for photo in made.observations.photos
     )
