@@ -81,8 +81,6 @@ def _section(part: Part, first: int) -> Iterator[Node]:
     made = part.made
     yield tag("p", f"{finding_sentence(made)}.", class_="finding")
     yield tag("div", *(tag("p", sentence) for sentence in tables.quote(made)), class_="quote")
-    if not made.converged:
-        yield tag("p", f"There is no result: {made.reason}.", class_="bad")
     yield from (tag("p", f"{note}.", class_="muted") for note in part.found.notes)
     yield from figures(made, part.found, first)
     yield tag("h3", "Coefficients")

@@ -102,7 +102,7 @@ def suspects(made: Calibration) -> Element:
         for each in made.suspects
     ]
     head = ("what it looks like", "residual, px", "in its own σ̂", "fit")
-    return table(head, rows, text=(0, 3))
+    return table(head, rows)
 
 
 def _fate(made: Calibration, suspect: Suspect) -> str:

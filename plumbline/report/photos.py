@@ -100,7 +100,7 @@ def _places(made: Calibration, photo: Photo, beside: Path | None) -> list[Path]:
 
 
 def _picture(photo: Photo, places: Sequence[Path], notes: list[str]) -> Picture | None:
-    name = _base(photo) or "the photo"
+    name = photo.name or "the photo"
     for index, path in enumerate(places):
         if any(is_same(path, str(other)) for other in places[:index]) or not _is_file(path):
             continue

@@ -17,31 +17,26 @@ _DIRECTIONS = 16
 
 
 def curve(subject: Subject) -> Any:
-    """The radial curve; its 95 % band holds whatever scale and place the corrected photo has."""
+    """The radial curve with its 95 % band, and the band alone on a scale of its own.
+
+    The band holds whatever scale and place the corrected photo has: lines see neither.
+    """
     made = subject.made
-    figure = style.sheet(style.FULL, 3.6)
-    axes = figure.subplots()
+    figure = style.sheet(style.FULL, 4.6)
+    axes, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
     observed, ideal = radial_curve(made.lens)
     observed, shift = np.append(0.0, observed), np.append(0.0, observed - ideal)
     band = band_px(made, observed)
     if band is not None:
-        axes.fill_between(
-            observed,
-            shift - band,
-            shift + band,
-            color=style.SKY,
-            alpha=0.4,
-            linewidth=0,
-            label=f"95 % band, {_whose(made)}",
-        )
-    axes.axhline(0.0, color=style.MUTED, linewidth=0.7)
+        filled: dict[str, Any] = {"color": style.SKY, "alpha": 0.4, "linewidth": 0}
+        label = f"95 % band, {_whose(made)}"
+        axes.fill_between(observed, shift - band, shift + band, label=label, **filled)
+        below.fill_between(observed, -band, band, **filled)
     axes.plot(observed, shift, color=style.BLUE, linewidth=1.6, label="displacement")
-    radius = made.lens.frame.radius_px
-    corner = made.lens.frame.corner_radius * radius
     picks = np.concatenate([line.radius_px[line.kept] for line in drawn_lines(made)])
     axes.plot(
         picks,
-        np.full_like(picks, 0.025),
+        np.full_like(picks, 0.03),
         "|",
         ms=9,
         color=style.ORANGE,
@@ -50,7 +45,20 @@ def curve(subject: Subject) -> Any:
         rasterized=len(picks) > style.MANY,
         label="picks",
     )
-    farthest = float(picks.max())
+    corner = made.lens.frame.corner_radius * made.lens.frame.radius_px
+    for panel in (axes, below):
+        panel.axhline(0.0, color=style.MUTED, linewidth=0.7)
+        _shade_beyond(panel, float(picks.max()), corner)
+    axes.set_xlim(0, corner)
+    axes.set_ylabel("displacement outwards, px")
+    below.set_ylabel("95 % band, px")
+    below.set_xlabel("distance from the distortion centre in the photo, px (right end: corner)")
+    figure.align_ylabels()
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside upper left", ncols=4)
+    return figure
+
+
+def _shade_beyond(axes: Any, farthest: float, corner: float) -> None:
     if farthest < 0.995 * corner:
         axes.axvspan(
             farthest,
@@ -62,11 +70,6 @@ def curve(subject: Subject) -> Any:
             zorder=0,
             label="beyond all picks: extrapolated",
         )
-    axes.set_xlim(0, corner)
-    axes.set_xlabel("distance from the distortion centre in the photo, px (right end: corner)")
-    axes.set_ylabel("displacement outwards, px")
-    figure.legend(loc="outside upper left", ncols=4)
-    return figure
 
 
 def _whose(made: Calibration) -> str:

@@ -40,7 +40,7 @@ def displacement(subject: Subject) -> Any:
     arrows = displacement_px(lens, at) / np.array([lens.frame.pixel_aspect, 1.0])
     seen = np.isfinite(arrows).all(axis=1)
     factor = round_factor(
-        1.8 * width / _ARROWS[0], float(np.max(np.abs(arrows[seen]), initial=0.0))
+        1.3 * width / _ARROWS[0], float(np.max(np.abs(arrows[seen]), initial=0.0))
     )
     _filled(figure, axes, points, np.hypot(*shift.T), "displacement, px", style.SIZES)
     axes.set_title(f"arrows magnified {factor:g} times", loc="left")

@@ -19,7 +19,6 @@ _CASING = "#10131a"
 def photo(subject: Subject) -> Any:
     """The photo, or an empty frame of its size, in its own pixels."""
     from matplotlib.collections import LineCollection
-    from matplotlib.patheffects import Normal, Stroke
 
     made = subject.made
     frame = made.observations.photos[subject.photo].frame
@@ -28,16 +27,12 @@ def photo(subject: Subject) -> Any:
     axes = figure.subplots()
     _ground(axes, subject)
     axes.set_aspect(1 / frame.pixel_aspect)
-
-    def cased(width: float, colour: str) -> list[Any]:
-        return [Stroke(linewidth=width, foreground=colour, alpha=0.75), Normal()]
-
     raster = sum(len(line.kept) for line in lines) > style.MANY
     curves = LineCollection(
         [line.curve_px for line in lines],
         colors=style.SKY,
         linewidths=1.1,
-        path_effects=cased(2.2, _CASING),
+        path_effects=_cased(2.2, _CASING),
         rasterized=raster,
         label="fitted lines, as the lens shows them",
     )
@@ -48,7 +43,7 @@ def photo(subject: Subject) -> Any:
             list(_whiskers(lines, factor)),
             colors=style.ORANGE,
             linewidths=1.7,
-            path_effects=cased(3.0, "white"),
+            path_effects=_cased(3.0, "white"),
             rasterized=raster,
             label=f"residuals, magnified {factor:g} times",
         ),
@@ -113,7 +108,13 @@ def _suspects(axes: Any, subject: Subject, lines: list[Drawn]) -> None:
     if not named:
         return
     rings = np.concatenate([drawn[each.line].observed_px[list(each.picks)] for each in named])
-    axes.plot(
-        *rings.T, "o", ms=10, mfc="none", mec=style.YELLOW, mew=1.5, linestyle="none",
-        label="suspicious", zorder=5,
-    )  # fmt: skip
+    for width, colour, label in ((3.0, _CASING, None), (1.5, style.YELLOW, "suspicious")):
+        look = {"mfc": "none", "mec": colour, "mew": width, "ms": 10, "zorder": 5}
+        axes.plot(*rings.T, "o", label=label, **look)
+
+
+def _cased(width: float, colour: str) -> list[Any]:
+    """A line with a casing, which shows on every ground."""
+    from matplotlib.patheffects import Normal, Stroke
+
+    return [Stroke(linewidth=width, foreground=colour, alpha=0.75), Normal()]

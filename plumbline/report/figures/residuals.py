@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import ceil
 from typing import Any
 
@@ -26,7 +27,15 @@ def radius(subject: Subject) -> Any:
     for level, label in ((2 * sigma, "± 2 σ̂"), (-2 * sigma, None)):
         axes.axhline(level, color=style.SKY, linewidth=1.2, linestyle="--", label=label)
     axes.axhline(0.0, color=style.MUTED, linewidth=0.7)
-    _dots(axes, lines, "radius_px", rasterized=made.observations.n_points > style.MANY)
+    x, y, kept = (
+        np.concatenate([getattr(line, name) for line in lines])
+        for name in ("radius_px", "residual_px", "kept")
+    )
+    many = len(x) > style.MANY
+    axes.plot(x[kept], y[kept], "o", ms=3.4, color=style.BLUE, label="picks", rasterized=many)
+    limit = _limit(lines)
+    _left_out(axes, x[~kept], y[~kept], limit)
+    axes.set_ylim(-limit, limit)
     axes.set_xlim(0, made.lens.frame.corner_radius * made.lens.frame.radius_px)
     axes.set_xlabel("distance from the distortion centre, px (right end: corner)")
     axes.set_ylabel(f"residual outwards, {_pixels(made)}")
@@ -36,6 +45,8 @@ def radius(subject: Subject) -> Any:
 
 def along(subject: Subject) -> Any:
     """Residuals along every line, or the worst of many; a bow that they share is the model's."""
+    from matplotlib.ticker import MaxNLocator
+
     made = subject.made
     lines = list(drawn_lines(made))
     what = ""
@@ -48,6 +59,7 @@ def along(subject: Subject) -> Any:
     rows = ceil(len(lines) / columns)
     figure = style.sheet(style.FULL, 0.9 + 1.05 * rows)
     panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).ravel()
+    limit = _limit(lines)
     for axes, line in zip(panels, lines, strict=False):
         axes.axhline(0.0, color=style.MUTED, linewidth=0.7)
         order = np.argsort(line.along_px)
@@ -61,35 +73,35 @@ def along(subject: Subject) -> Any:
             color=style.BLUE,
             rasterized=len(kept) > style.MANY // _MOST,
         )
-        out = ~line.kept & np.isfinite(line.residual_px)
-        axes.plot(line.along_px[out], line.residual_px[out], "X", ms=5, color=style.PURPLE)
+        _left_out(axes, line.along_px[~line.kept], line.residual_px[~line.kept], limit)
         axes.set_title(style.name(line.label), loc="left", pad=2, fontsize=8)
     for axes in panels[len(lines) :]:
         axes.set_visible(False)
-    limit = _limit([line.residual_px for line in lines])
     panels[0].set_ylim(-limit, limit)
+    panels[0].xaxis.set_major_locator(MaxNLocator(4))
     figure.supxlabel(f"position along the line, px of the corrected photo{what}", fontsize=9)
     figure.supylabel(f"residual outwards, {_pixels(made)}", fontsize=9)
     return figure
 
 
-def _dots(axes: Any, lines: tuple[Drawn, ...], across: str, *, rasterized: bool) -> None:
-    x = np.concatenate([getattr(line, across) for line in lines])
-    y = np.concatenate([line.residual_px for line in lines])
-    kept = np.concatenate([line.kept for line in lines])
-    out = ~kept & np.isfinite(y)
-    axes.plot(x[kept], y[kept], "o", ms=3.4, color=style.BLUE, label="picks", rasterized=rasterized)
-    if out.any():
-        axes.plot(x[out], y[out], "X", ms=5.5, color=style.PURPLE, label="left out")
-    limit = _limit([y])
-    axes.set_ylim(-limit, limit)
+def _left_out(axes: Any, x: Array, y: Array, limit: float) -> None:
+    """Mark picks left out, at the edge of the panel where they lie beyond it."""
+    if len(x):
+        axes.plot(
+            x,
+            np.clip(y, -limit, limit),
+            "X",
+            ms=5.5,
+            color=style.PURPLE,
+            clip_on=False,
+            label="left out (at the edge: beyond it)",
+        )
 
 
-def _limit(values: list[Array]) -> float:
-    """Half the range that shows all residuals, above and below zero alike."""
-    every = np.abs(np.concatenate(values))
-    every = every[np.isfinite(every)]
-    return 1.08 * float(every.max()) if len(every) and every.max() > 0 else 1.0
+def _limit(lines: Sequence[Drawn]) -> float:
+    """Half the range that shows the residuals of all fitted picks, above and below zero alike."""
+    largest = max(float(np.max(np.abs(line.residual_px[line.kept]), initial=0.0)) for line in lines)
+    return 1.1 * largest if largest > 0 else 1.0
 
 
 def _pixels(made: Calibration) -> str:

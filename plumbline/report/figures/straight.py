@@ -11,6 +11,8 @@ from plumbline.report.figures.subject import Subject
 
 _MOST = 48
 _LEAST_PX = 1e-3
+_LETTERS = 90
+_LETTER = 0.075
 
 
 def lines(subject: Subject) -> Any:
@@ -18,12 +20,15 @@ def lines(subject: Subject) -> Any:
     from matplotlib.ticker import LogLocator, NullLocator, StrMethodFormatter
 
     measured = list(subject.made.lines)
-    figure = style.sheet(style.FULL, 3.2)
-    axes = figure.subplots()
     label = "line"
     if len(measured) > _MOST:
         label = f"line (the {_MOST} of {len(measured):,} with the largest residuals)"
         measured = sorted(measured, key=lambda line: -line.largest_after_px)[:_MOST]
+    names = [style.name(line.label) for line in measured]
+    longest = max(map(len, names))
+    upright = longest * len(names) > _LETTERS
+    figure = style.sheet(style.FULL, 3.2 + (_LETTER * longest if upright else 0.0))
+    axes = figure.subplots()
     places = np.arange(len(measured))
     before, after, largest = (
         np.array([getattr(line, name) for line in measured])
@@ -45,9 +50,7 @@ def lines(subject: Subject) -> Any:
     axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
     axes.yaxis.set_minor_locator(NullLocator())
     axes.set_ylabel("distance from straight, px")
-    names = [style.name(line.label) for line in measured]
-    slanted = sum(map(len, names)) > 75
-    axes.set_xticks(places, names, rotation=90 if slanted else 0)
+    axes.set_xticks(places, names, rotation=90 if upright else 0)
     axes.set_xlim(-0.7, len(measured) - 0.3)
     axes.set_xlabel(label)
     axes.grid(visible=False, axis="x")

@@ -49,7 +49,8 @@ class Drawn:
         curve_px: The straight line as the lens shows it, shape (m, 2).
         radius_px: Distance of the picks from the distortion centre, square pixels, shape (n,).
         along_px: Position along the line in the corrected photo, shape (n,).
-        residual_px: Signed residuals, positive away from the distortion centre, shape (n,).
+        residual_px: Signed residuals, positive away from the distortion centre, shape (n,); NaN
+            on a line that was left out as a whole.
     """
 
     index: int
@@ -79,7 +80,7 @@ def drawn_lines(made: Calibration) -> tuple[Drawn, ...]:
     lines = fit_lines(ideal, line, linear.n_lines, kept.astype(np.float64))
     centre = lens.frame.normalise(lens.centre_px, 1.0)
     outwards = np.where(np.sum((lines.centre - centre) * lines.across, axis=1) < 0, -1.0, 1.0)
-    away = linear.residual_px * outwards[line]
+    away = np.where(lines.count[line] > 0, linear.residual_px * outwards[line], np.nan)
     foot = lines.centre[line] + linear.along_px[:, None] * lines.along[line]
     radius_px = np.hypot(*(lens.frame.normalise(observed, 1.0) - centre).T)
     starts = np.searchsorted(line, np.arange(linear.n_lines))
