@@ -102,7 +102,7 @@ def displacement_px(lens: Lens, points_px: Array) -> Array:
     scale = float(lens.model.factor(np.float64(0.0), lens.vector))
     if lens.model.direction == "observed to ideal":
         scale = 1 / scale
-    ideal = lens.frame.normalise(lens.undistort_or_nan(points_px), 1.0) - centre
+    ideal = lens.frame.normalise(lens.undistort_or_nan(points_px), 1.0)
     return lens.frame.normalise(points_px, 1.0) - centre - scale * ideal
 
 

@@ -56,7 +56,7 @@ def photo(subject: Subject) -> Any:
         axes.plot(
             *out.T, "X", ms=6, mfc=style.PURPLE, mec="white", mew=0.8, label="left out", **dots
         )
-    _suspects(axes, subject, lines)
+    _suspects(axes, subject, lines, raster=raster)
     figure.legend(loc="outside upper left", ncols=5, handlelength=1.6, columnspacing=1.6)
     return figure
 
@@ -102,14 +102,21 @@ def _points(lines: list[Drawn], *, kept: bool) -> Array:
     return np.concatenate([*chosen, np.zeros((0, 2))])
 
 
-def _suspects(axes: Any, subject: Subject, lines: list[Drawn]) -> None:
+def _suspects(axes: Any, subject: Subject, lines: list[Drawn], *, raster: bool) -> None:
     drawn = {line.index: line for line in lines}
     named = [each for each in subject.made.suspects if each.line in drawn]
     if not named:
         return
     rings = np.concatenate([drawn[each.line].observed_px[list(each.picks)] for each in named])
     for width, colour, label in ((3.0, _CASING, None), (1.5, style.YELLOW, "suspicious")):
-        look = {"mfc": "none", "mec": colour, "mew": width, "ms": 10, "zorder": 5}
+        look = {
+            "mfc": "none",
+            "mec": colour,
+            "mew": width,
+            "ms": 10,
+            "zorder": 5,
+            "rasterized": raster,
+        }
         axes.plot(*rings.T, "o", label=label, **look)
 
 

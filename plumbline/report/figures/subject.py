@@ -74,12 +74,12 @@ def drawn_lines(made: Calibration) -> tuple[Drawn, ...]:
         for line in made.observations.lines
     ]
     observed = np.concatenate(every)
-    # Ideal points, and everything else here, in square pixels from the image centre.
+    # Ideal points are measured from the distortion centre, observed ones from the photo's.
     ideal = undistorted(lens, observed).uv
     line, kept = linear.line, linear.kept
     lines = fit_lines(ideal, line, linear.n_lines, kept.astype(np.float64))
     centre = lens.frame.normalise(lens.centre_px, 1.0)
-    outwards = np.where(np.sum((lines.centre - centre) * lines.across, axis=1) < 0, -1.0, 1.0)
+    outwards = np.where(np.sum(lines.centre * lines.across, axis=1) < 0, -1.0, 1.0)
     away = np.where(lines.count[line] > 0, linear.residual_px * outwards[line], np.nan)
     foot = lines.centre[line] + linear.along_px[:, None] * lines.along[line]
     radius_px = np.hypot(*(lens.frame.normalise(observed, 1.0) - centre).T)
