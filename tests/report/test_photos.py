@@ -14,6 +14,7 @@ from PIL import Image, ImageOps
 import plumbline
 from plumbline.calibration import Calibration
 from plumbline.errors import ReadError
+from plumbline.observations import Origin
 from plumbline.report.photos import find_photos
 from tests.report.made import HEIGHT, SAMPLES, WIDTH, grid
 
@@ -27,7 +28,7 @@ def calibration(
     observations = plumbline.Observations.from_arrays(lines, size=size)
     made = plumbline.calibrate(observations, free=("b",))
     photos = (replace(observations.photos[0], name=name),)
-    origins = () if origin is None else (plumbline.observations.Origin(origin, "csv"),)
+    origins = () if origin is None else (Origin(origin, "csv"),)
     return replace(made, observations=replace(observations, photos=photos, origins=origins))
 
 
