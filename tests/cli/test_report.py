@@ -144,6 +144,26 @@ def test_bad_input_gets_a_sentence_and_a_remedy(
     assert files() == before
 
 
+@pytest.mark.parametrize(
+    "damage",
+    [
+        {"dof": 0},
+        {"coefficients": {"a": 0, "b": -0.4, "c": 0, "d": 0, "e": 0}},
+        {"coefficients": {"a": 0, "b": 1, "c": 0, "d": 0, "e": 0}},
+        {"coefficients": {"a": 0, "b": -0.02, "c": 0, "d": 1e6, "e": 0}},
+    ],
+    ids=["no freedom", "folded", "no scale", "far away"],
+)
+def test_a_lens_that_is_not_that_of_its_picks(run: Run, result: str, damage: object) -> None:
+    whole = json.loads(Path(result).read_text())
+    assert isinstance(damage, dict)
+    Path("damaged.json").write_text(json.dumps(whole | damage))
+    done = run("report", "damaged.json")
+    assert done.status == 1
+    assert "the lens does not go with the picks" in done.err
+    assert "fit again" in done.err
+
+
 def test_a_wrong_name_is_said_before_the_fit(run: Run) -> None:
     for words in (("--plot", "bend.svg"), ("--report", "report.pdf")):
         done = run("fit", "building.pto", *words)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -173,3 +174,50 @@ def test_the_band_ends_with_the_photo() -> None:
     assert band[0] == pytest.approx(0, abs=1e-9)
     assert 0 < band[1] < band[2]
     assert np.isnan(band[3])
+
+
+def test_an_upright_photo_among_sideways_ones() -> None:
+    """Its fitted lines lie on its picks, in its own pixels."""
+    lines = grid()
+    turned = [line[:, ::-1].copy() for line in grid(8)]
+    wide, tall = plumbline.Photo((WIDTH, HEIGHT)), plumbline.Photo((HEIGHT, WIDTH), number=1)
+    observations = plumbline.Observations(
+        (wide, tall),
+        tuple(
+            plumbline.Line(points, photo, f"{photo} {index}")
+            for photo, each in enumerate((lines, turned))
+            for index, points in enumerate(each)
+        ),
+    ).checked()
+    made = plumbline.calibrate(observations, free=("b",))
+    for line in drawn_lines(made):
+        assert np.hypot(*(line.foot_px - line.observed_px).T).max() < 0.5
+
+
+def test_pixels_that_are_not_square() -> None:
+    """Feet are in the photo's own pixels, distances in square ones."""
+    lines = [line * [0.5, 1.0] + [-0.25, 0.0] for line in grid()]
+    observations = plumbline.Observations.from_arrays(
+        lines, size=(WIDTH // 2, HEIGHT), pixel_aspect=2.0
+    )
+    made = plumbline.calibrate(observations, free=("b",))
+    for line in drawn_lines(made):
+        away = (line.foot_px - line.observed_px) * [2.0, 1.0]
+        assert np.hypot(*away.T) == pytest.approx(np.abs(line.residual_px), rel=0.06, abs=0.002)
+        assert line.radius_px.max() <= np.hypot(WIDTH, HEIGHT) / 2
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_a_fold_inside_the_photo_is_drawn_round(name: str) -> None:
+    """The picks end before the fold; what lies beyond has neither displacement nor band."""
+    middle = [line for line in grid() if np.hypot(*(line - [319.5, 239.5]).T).max() < 350]
+    made = plumbline.calibrate(
+        plumbline.Observations.from_arrays(middle, size=(WIDTH, HEIGHT)), free=("b",)
+    )
+    lens = plumbline.Lens(
+        made.lens.model, plumbline.Frame(3 * WIDTH, 3 * HEIGHT), made.coefficients | {"b": -0.12}
+    )
+    folded = replace(made, lens=lens)
+    assert lens.fold_radius_px() is not None
+    assert folded.displacement is None
+    assert svg(name, folded)
