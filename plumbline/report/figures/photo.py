@@ -28,11 +28,12 @@ def photo(subject: Subject) -> Any:
     _ground(axes, subject)
     axes.set_aspect(1 / frame.pixel_aspect)
     raster = sum(len(line.kept) for line in lines) > style.MANY
+    thin = 0.4 if raster else 1.0
     curves = LineCollection(
         [line.curve_px for line in lines],
         colors=style.SKY,
-        linewidths=1.1,
-        path_effects=_cased(2.2, _CASING),
+        linewidths=1.1 * thin,
+        path_effects=_cased(2.2 * thin, _CASING),
         rasterized=raster,
         label="fitted lines, as the lens shows them",
     )
@@ -42,8 +43,8 @@ def photo(subject: Subject) -> Any:
         LineCollection(
             list(_whiskers(lines, factor)),
             colors=style.ORANGE,
-            linewidths=1.7,
-            path_effects=_cased(3.0, "white"),
+            linewidths=1.7 * thin,
+            path_effects=_cased(3.0 * thin, "white"),
             rasterized=raster,
             label=f"residuals, magnified {factor:g} times",
         ),
@@ -51,7 +52,8 @@ def photo(subject: Subject) -> Any:
     )
     kept, out = (_points(lines, kept=which) for which in (True, False))
     dots: dict[str, Any] = {"linestyle": "none", "rasterized": raster, "zorder": 4}
-    axes.plot(*kept.T, "o", ms=3.2, mfc=_CASING, mec="white", mew=0.8, label="picks", **dots)
+    look: dict[str, Any] = {"mfc": _CASING, "mec": "white", "mew": 0.8 * thin}
+    axes.plot(*kept.T, "o", ms=3.2 * thin, label="picks", **look, **dots)
     if len(out):
         axes.plot(
             *out.T, "X", ms=6, mfc=style.PURPLE, mec="white", mew=0.8, label="left out", **dots

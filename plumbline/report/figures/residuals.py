@@ -32,7 +32,15 @@ def radius(subject: Subject) -> Any:
         for name in ("radius_px", "residual_px", "kept")
     )
     many = len(x) > style.MANY
-    axes.plot(x[kept], y[kept], "o", ms=3.4, color=style.BLUE, label="picks", rasterized=many)
+    axes.plot(
+        x[kept],
+        y[kept],
+        "o",
+        ms=1.5 if many else 3.4,
+        color=style.BLUE,
+        label="picks",
+        rasterized=many,
+    )
     limit = _limit(lines)
     _left_out(axes, x[~kept], y[~kept], limit)
     axes.set_ylim(-limit, limit)
