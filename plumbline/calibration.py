@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal, NamedTuple
 
@@ -128,6 +128,16 @@ class Calibration:
     def notes(self) -> tuple[str, ...]:
         """What the user should know, in plain sentences."""
         return (*self.observations.notes, *self.remarks, *notes_on(self))
+
+    @property
+    def kept_observations(self) -> Observations:
+        """The observations without the picks that were left out, and lines too short then."""
+        fewer = [
+            replace(line, points_px=line.points_px[kept], rows=None)
+            for line, kept in zip(self.observations.lines, self.kept, strict=True)
+            if np.count_nonzero(kept) >= 3
+        ]
+        return replace(self.observations, lines=tuple(fewer))
 
     @property
     def intervals(self) -> dict[str, tuple[float, float]]:

@@ -17,6 +17,7 @@ VERBS = {
     "fit": "Find the distortion that makes picked lines straight.",
     "check": "Say whether the picks can tell the distortion, and what to pick next.",
     "compare": "Compare the distortion models on the same picks, and recommend one.",
+    "report": "Show a calibration as a page with figures, tables and checksums.",
     "correct": "Take the lens distortion out of photographs.",
     "convert": "Turn picked points into CSV or a Hugin project.",
     "lens": "Show which lens would be used for a photo, or keep a calibration for later.",

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import click
@@ -22,6 +24,7 @@ Examples:
   plumbline fit building.pto --free b -o b_alone.json
   plumbline fit building.pto --start a=0.03,b=-0.1,c=0.05
   plumbline fit building.pto --robust --model auto
+  plumbline fit building.pto --report building.html --plot building.curve.svg
 """
 
 
@@ -60,6 +63,12 @@ Examples:
     metavar="FILE",
     help="Write this file (.pto, .xml or .json); may be given several times.",
 )
+@click.option(
+    "--report",
+    metavar="FILE",
+    help="Write a report: one HTML page with figures, tables and checksums.",
+)
+@options.plotting
 @options.overwriting
 @click.option("--json", "as_json", is_flag=True, help="Print the result as JSON.")
 @click.option("-v", "--verbose", is_flag=True, help="List every line, however many.")
@@ -74,6 +83,8 @@ def command(
     robust: bool,
     bootstrap: int,
     output: tuple[str, ...],
+    report: str | None,
+    plots: tuple[str, ...],
     overwrite: bool,
     as_json: bool,
     verbose: bool,
@@ -83,16 +94,29 @@ def command(
     """Read, fit, write, print."""
     from rich.console import Console
 
-    from plumbline.cli.fitting import Wishes, fit_lenses
-    from plumbline.cli.pipeline import parts_of, write_results
+    from plumbline.cli.fitting import Wishes, draw, fit_lenses
+    from plumbline.cli.pipeline import command_line, parts_of, write_results
     from plumbline.errors import printable
     from plumbline.report.terminal import WideConsole, print_summary
     from plumbline.writing import refuse_unsettled
 
     wishes = Wishes(model, free, hold or (), start, residual, robust, bootstrap).checked()
-    calibrations = fit_lenses(parts_of(points, reading), wishes, Console(stderr=True))
+    if report is not None or plots:
+        from plumbline.report.writing import check_targets
+
+        check_targets(report, plots)
+    narration = Console(stderr=True)
+    made = fit_lenses(parts_of(points, reading), wishes, narration)
+    calibrations = [replace(each, command=command_line()) for each in made]
     refuse_unsettled(calibrations)
-    written, notes = write_results(calibrations, output, points[0], overwrite=overwrite)
+    drawn: dict[Path, bytes] = {}
+    unseen: list[str] = []
+    if report is not None or plots:
+        drawn, unseen = draw(
+            calibrations, report, plots, narration, photo=reading["photo"], overwrite=overwrite
+        )
+    written, notes = write_results(calibrations, output, points[0], drawn, overwrite=overwrite)
+    notes += unseen
     if as_json:
         from plumbline.result_json import to_json
 

@@ -12,6 +12,7 @@ from plumbline.errors import OptionError, PlumblineError
 
 if TYPE_CHECKING:
     from collections.abc import Generator
+    from pathlib import Path
 
     from rich.console import Console
 
@@ -92,6 +93,26 @@ def compare_lenses(parts: Sequence[Observations], narration: Console) -> list[Co
         with _named(part, len(parts)):
             made.append(_compared(part, narration))
     return made
+
+
+def draw(
+    calibrations: Sequence[Calibration],
+    report: str | None,
+    plots: Sequence[str],
+    narration: Console,
+    **where: Any,
+) -> tuple[dict[Path, bytes], list[str]]:
+    """A report with its comparison of models, and single figures, as `report_contents`."""
+    from plumbline.report.writing import report_contents
+
+    comparisons: list[Comparison | None] = []
+    for made in calibrations if report is not None else ():
+        try:
+            comparisons.append(_compared(made.kept_observations, narration))
+        except PlumblineError:
+            comparisons.append(None)  # a lens with barely enough picks for its own model
+    with narration.status("Drawing…"):
+        return report_contents(calibrations, report, plots, comparisons=comparisons, **where)
 
 
 def _compared(part: Observations, narration: Console) -> Comparison:

@@ -238,3 +238,14 @@ lens_labels = stacked(
 overwriting = click.option(
     "--overwrite", is_flag=True, help="Replace files that plumbline did not write."
 )
+
+plotting = click.option(
+    "--plot",
+    "plots",
+    multiple=True,
+    metavar="FILE",
+    help="Draw one figure, named by the last part of FILE's stem, as in curve.svg or "
+    "building.curve.png: photo, lines, curve, displacement, uncertainty, radius, along; may be "
+    "given several times.",
+)
+"""What verbs take that draw the figures of a calibration."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shlex
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -58,6 +60,11 @@ def gather(sources: Sequence[str], image: int | None, **how: Any) -> Observation
     return join([read(source, image=image, **how) for source in sources])
 
 
+def command_line() -> str:
+    """The command as it was given, for the record."""
+    return shlex.join(["plumbline", *sys.argv[1:]])
+
+
 def split_by_lens(observations: Observations, labels: Mapping[str, Any]) -> list[Observations]:
     """One set of observations for each lens that has lines, with the user's facts of it.
 
@@ -93,6 +100,7 @@ def write_results(
     calibrations: Sequence[Calibration],
     outputs: Sequence[str],
     source: str,
+    drawn: Mapping[Path, bytes],
     *,
     overwrite: bool,
 ) -> tuple[list[Path], list[str]]:
@@ -102,6 +110,7 @@ def write_results(
         calibrations: One a lens.
         outputs: Files the user names; empty for the defaults.
         source: The first input.
+        drawn: Reports and figures, which are written with them: all or nothing.
         overwrite: Replace files that plumbline did not write.
 
     Returns:
@@ -128,6 +137,7 @@ def write_results(
     if not contents:
         target = Path(source).with_suffix(".fit.json")
         contents[target] = result_bytes(calibrations, target, overwrite=overwrite)
+    contents |= drawn
     write_atomically(contents)
     return list(contents), list(dict.fromkeys(notes))
 

@@ -24,6 +24,7 @@ class ACM(Model):
     gauge = 0
     formula = "p_obs = p (1 + k1 r² + k2 r⁴ + k3 r⁶) + tangential(k4, k5)"
     use = "LensFun 0.4, Adobe"
+    source = "Adobe, Lens Profile Creator, technical report, 2010; LensFun, model acm"
     unit = "focal length"
     tangential = ("k4", "k5")
 

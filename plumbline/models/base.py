@@ -36,6 +36,7 @@ class Model(ABC):
         tangential: Names of the two decentring coefficients, or empty.
         formula: The equation, for people.
         use: Who uses it, for people.
+        source: Where it is described.
     """
 
     name: ClassVar[str]
@@ -43,6 +44,7 @@ class Model(ABC):
     gauge: ClassVar[Literal[0, 1]]
     formula: ClassVar[str]
     use: ClassVar[str]
+    source: ClassVar[str]
     unit: ClassVar[Unit] = "half the shorter side"
     tangential: ClassVar[tuple[str, ...]] = ()
 

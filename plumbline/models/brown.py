@@ -26,6 +26,10 @@ class Brown(Model):
     gauge = 0
     formula = "p_ideal = p (1 + k1 r² + k2 r⁴ + k3 r⁶) + tangential(p1, p2)"
     use = "Brown–Conrady, PC-Rect, photogrammetry"
+    source = (
+        "D. C. Brown, Decentering distortion of lenses, 1966, and Close-range camera "
+        "calibration, 1971"
+    )
     tangential = ("p1", "p2")
 
     @property

@@ -24,6 +24,10 @@ class Division(Model):
     gauge = 0
     formula = "p_ideal = p / (1 + l1 r² + l2 r⁴)"
     use = "computer vision"
+    source = (
+        "A. W. Fitzgibbon, Simultaneous linear estimation of multiple view geometry and "
+        "lens distortion, 2001"
+    )
 
     @property
     def coefficients(self) -> tuple[str, ...]:

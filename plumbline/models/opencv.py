@@ -24,6 +24,7 @@ class OpenCV(Model):
     gauge = 0
     formula = "p_obs = p (1 + k1 r² + k2 r⁴ + k3 r⁶) + tangential(p1, p2)"
     use = "OpenCV"
+    source = "OpenCV, calib3d; J. Heikkilä and O. Silvén, 1997, after D. C. Brown"
     unit = "focal length"
     tangential = ("p1", "p2")
 

@@ -23,6 +23,7 @@ class Poly3(Model):
     gauge = 1
     formula = "r_obs = r (1 − k1 + k1 r²)"
     use = "LensFun"
+    source = "LensFun, model poly3"
 
     @property
     def coefficients(self) -> tuple[str, ...]:

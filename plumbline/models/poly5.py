@@ -23,6 +23,7 @@ class Poly5(Model):
     gauge = 0
     formula = "r_obs = r (1 + k1 r² + k2 r⁴)"
     use = "LensFun"
+    source = "LensFun, model poly5"
 
     @property
     def coefficients(self) -> tuple[str, ...]:

@@ -24,6 +24,7 @@ class PTLens(Model):
     gauge = 1
     formula = "r_obs = r (a r³ + b r² + c r + 1 − a − b − c)"
     use = "Panorama Tools, Hugin, PTGui, PTLens, LensFun, ImageMagick Barrel"
+    source = "H. Dersch, Panorama Tools, 1998; ImageMagick, Barrel; LensFun, model ptlens"
 
     @property
     def coefficients(self) -> tuple[str, ...]:

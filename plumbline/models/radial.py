@@ -30,6 +30,9 @@ class Radial(Model):
     gauge = 0
     formula = "r_ideal = r (1 + Σ aₙ rⁿ)"
     use = "the general polynomial; with even powers the one of optics"
+    source = (
+        "the general polynomial in r, see e.g. D. C. Brown, Close-range camera calibration, 1971"
+    )
 
     @property
     def coefficients(self) -> tuple[str, ...]:

@@ -109,7 +109,7 @@ def coefficients_table(made: Calibration) -> Table:
     errors = made.standard_errors
     for name, value in made.coefficients.items():
         least, unit = (3, " px") if name in CENTRE else (6, "")
-        digits = _decimals(errors.get(name, value), least)
+        digits = decimals(errors.get(name, value), least)
         if name not in errors:
             table.add_row(name, f"{value:.{digits}f}{unit}", "held", "", "", "")
             continue
@@ -125,7 +125,7 @@ def coefficients_table(made: Calibration) -> Table:
     return table
 
 
-def _decimals(size: float, least: int) -> int:
+def decimals(size: float, least: int) -> int:
     """How many decimals show two significant digits of a number, and at least so many."""
     known = isfinite(size) and size != 0
     return max(least, 1 - floor(log10(abs(size)))) if known else least
@@ -156,13 +156,18 @@ def lines_table(made: Calibration, *, everything: bool = False) -> Table:
     return table
 
 
-def print_title(console: Console, observations: Observations) -> None:
-    """Say which photos of a project follow."""
+def lens_title(observations: Observations) -> str:
+    """The names of the photos of a lens, and its focal length where it is known."""
     photos = observations.photos
     names = ", ".join(photo.name or photo.source or f"photo {photo.number}" for photo in photos)
     focal_mm = observations.lenses[0].focal_length_mm(photos[0].frame)
-    title = names + (f" at {focal_mm:.4g} mm" if focal_mm else "")
-    console.print(f"[bold]{_plain(title)}[/]", highlight=False, soft_wrap=True)
+    return names + (f" at {focal_mm:.4g} mm" if focal_mm else "")
+
+
+def print_title(console: Console, observations: Observations) -> None:
+    """Say which photos of a project follow."""
+    title = _plain(lens_title(observations))
+    console.print(f"[bold]{title}[/]", highlight=False, soft_wrap=True)
 
 
 def _bootstrap_sentences(made: Calibration) -> list[str]:

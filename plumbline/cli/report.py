@@ -1,0 +1,66 @@
+"""`plumbline report`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from plumbline.cli import options
+
+_HELP = """Show a calibration as a page with figures, tables and checksums.
+
+RESULT is a JSON that `fit` wrote (-o building.json). The page is one HTML file that needs
+nothing besides itself; print it from any browser. It goes beside RESULT unless -o names another.
+The photo is looked for by its name, beside RESULT and beside the points; without it, figures
+show an empty frame. With --plot and without -o, only those figures are written.
+
+\b
+Examples:
+  plumbline report building.json
+  plumbline report building.json -o report.html --photo photos/facade.jpg
+  plumbline report building.json --plot curve.svg --plot building.photo.png
+"""
+
+
+@click.command(
+    "report",
+    help=_HELP,
+    short_help="Show a calibration as a page with figures, tables and checksums.",
+)
+@click.argument("result")
+@click.option("-o", "--output", metavar="FILE", help="Write the page to this file (.html).")
+@options.plotting
+@click.option("--photo", metavar="FILE", help="The photograph, where it is not found by its name.")
+@options.overwriting
+def command(
+    result: str, output: str | None, plots: tuple[str, ...], photo: str | None, overwrite: bool
+) -> None:
+    """Read, draw, write."""
+    from rich.console import Console
+
+    from plumbline.cli.fitting import draw
+    from plumbline.errors import printable
+    from plumbline.files import write_atomically
+    from plumbline.report.results import read_results
+    from plumbline.report.writing import check_targets
+
+    page = output
+    if page is None and not plots:
+        page = str(Path(result).with_suffix(".html"))
+    check_targets(page, plots)
+    calibrations = read_results(result)
+    contents, notes = draw(
+        calibrations,
+        page,
+        plots,
+        Console(stderr=True),
+        photo=photo,
+        source=result,
+        overwrite=overwrite,
+    )
+    write_atomically(contents)
+    for note in notes:
+        click.echo(f"Note: {printable(note)}.", err=True)
+    for target in contents:
+        click.echo(f"Wrote {printable(str(target))}")

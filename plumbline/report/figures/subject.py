@@ -1,0 +1,141 @@
+"""What a figure shows, and what its parts have in common: picks beside their fitted lines."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import floor, log10
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plumbline.calibration import Calibration
+from plumbline.errors import FoldedError
+from plumbline.frame import Array, Frame
+from plumbline.ideal import undistorted
+from plumbline.lens import Lens
+from plumbline.report.photos import Picture
+from plumbline.straightness import fit_lines
+from plumbline.student import quantile
+
+_CURVE = 48
+
+
+@dataclass(frozen=True)
+class Subject:
+    """A calibration, and one of its photos.
+
+    Attributes:
+        made: The calibration.
+        photo: Index of the photo.
+        picture: That photo's pixels; None where there are none.
+    """
+
+    made: Calibration
+    photo: int = 0
+    picture: Picture | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """The picks of one line beside the line that was fitted to them.
+
+    Attributes:
+        index: The line's place among the lines.
+        label: Its name.
+        photo: Index of its photo.
+        kept: Which picks were fitted, shape (n,).
+        observed_px: The picks, shape (n, 2), in their photo's own pixels.
+        foot_px: Where they would lie without an error, shape (n, 2).
+        curve_px: The straight line as the lens shows it, shape (m, 2).
+        radius_px: Distance of the picks from the distortion centre, square pixels, shape (n,).
+        along_px: Position along the line in the corrected photo, shape (n,).
+        residual_px: Signed residuals, positive away from the distortion centre, shape (n,); NaN
+            on a line that was left out as a whole.
+    """
+
+    index: int
+    label: str
+    photo: int
+    kept: NDArray[np.bool_]
+    observed_px: Array
+    foot_px: Array
+    curve_px: Array
+    radius_px: Array
+    along_px: Array
+    residual_px: Array
+
+
+def drawn_lines(made: Calibration) -> tuple[Drawn, ...]:
+    """Every line of a calibration."""
+    lens, linear = made.lens, made.linearised
+    frames = [photo.frame for photo in made.observations.photos]
+    every = [
+        lens.frame.to_pixels(frames[line.photo].normalise(line.points_px, 1.0), 1.0)
+        for line in made.observations.lines
+    ]
+    observed = np.concatenate(every)
+    # Ideal points are measured from the distortion centre, observed ones from the photo's.
+    ideal = undistorted(lens, observed).uv
+    line, kept = linear.line, linear.kept
+    lines = fit_lines(ideal, line, linear.n_lines, kept.astype(np.float64))
+    centre = lens.frame.normalise(lens.centre_px, 1.0)
+    outwards = np.where(np.sum(lines.centre * lines.across, axis=1) < 0, -1.0, 1.0)
+    away = np.where(lines.count[line] > 0, linear.residual_px * outwards[line], np.nan)
+    foot = lines.centre[line] + linear.along_px[:, None] * lines.along[line]
+    radius_px = np.hypot(*(lens.frame.normalise(observed, 1.0) - centre).T)
+    starts = np.searchsorted(line, np.arange(linear.n_lines))
+    ends = np.append(starts[1:], len(line))
+    found: list[Drawn] = []
+    for index, (start, end) in enumerate(zip(starts.tolist(), ends.tolist(), strict=True)):
+        which = slice(start, end)
+        source = made.observations.lines[index]
+        frame = frames[source.photo]
+
+        span = linear.along_px[which][kept[which]]
+        reach = np.linspace(span.min(), span.max(), _CURVE) if len(span) else np.zeros(0)
+        found.append(
+            Drawn(
+                index=index,
+                label=source.label,
+                photo=source.photo,
+                kept=kept[which],
+                observed_px=source.points_px,
+                foot_px=_seen(lens, frame, foot[which]),
+                curve_px=_seen(
+                    lens, frame, lines.centre[index] + reach[:, None] * lines.along[index]
+                ),
+                radius_px=radius_px[which],
+                along_px=linear.along_px[which],
+                residual_px=away[which],
+            )
+        )
+    return tuple(found)
+
+
+def _seen(lens: Lens, frame: Frame, ideal: Array) -> Array:
+    """Where a photo shows ideal points; nowhere if the lens folds before it reaches one."""
+    try:
+        observed = lens.distort(lens.frame.to_pixels(ideal, 1.0))
+    except FoldedError:
+        return np.full_like(ideal, np.nan)
+    return frame.to_pixels(lens.frame.normalise(observed, 1.0), 1.0)
+
+
+def quoted_covariance(made: Calibration) -> tuple[Array, int]:
+    """The covariance whose errors are the ones to quote, and its degrees of freedom."""
+    if made.quotes_jackknife and made.jackknife is not None:
+        return made.jackknife.covariance, made.jackknife.dof
+    return made.covariance, made.dof
+
+
+def reach(made: Calibration) -> float:
+    """How many standard errors to quote a 95 % interval takes."""
+    return quantile(0.975, quoted_covariance(made)[1])
+
+
+def round_factor(wanted_px: float, size_px: float) -> float:
+    """The largest of 1, 2, 5, 10, … that makes a size no larger than wanted; 1 if none does."""
+    if size_px <= 0 or wanted_px <= size_px:
+        return 1.0
+    unit = 10.0 ** floor(log10(wanted_px / size_px))
+    return unit * max(step for step in (1.0, 2.0, 5.0) if step * unit * size_px <= wanted_px)

@@ -1,0 +1,175 @@
+"""The photographs of a calibration, found on disk and reduced for a report."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plumbline.calibration import Calibration
+from plumbline.errors import ReadError
+from plumbline.files import is_same, read_bytes
+from plumbline.lenses.exif import read_photo
+from plumbline.observations import Photo
+
+_LONG_SIDE = 1600
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """A photograph as a report shows it.
+
+    Attributes:
+        path: Its file.
+        sha256: Of the file's bytes, in hexadecimal.
+        pixels: Reduced, shape (rows, columns, 3), red, green, blue of 8 bits.
+    """
+
+    path: Path
+    sha256: str
+    pixels: NDArray[np.uint8]
+
+
+@dataclass(frozen=True)
+class Found:
+    """The photos of one calibration.
+
+    Attributes:
+        pictures: One for each photo; None where there is none to show.
+        notes: Why there is none, and what else to know, in plain sentences.
+    """
+
+    pictures: tuple[Picture | None, ...]
+    notes: tuple[str, ...] = ()
+
+
+def find_photos(
+    calibrations: Sequence[Calibration], given: str | None, beside: Path | None = None
+) -> list[Found]:
+    """Look for the photos that points were picked in, by name.
+
+    Args:
+        calibrations: One a lens.
+        given: The file that the user names: the only photo there is, or the one of that name.
+        beside: A file in whose folder to look before those of the points.
+
+    Returns:
+        One entry a calibration.
+
+    Raises:
+        ReadError: the file that the user names cannot be read, or is none of the photos.
+    """
+    photos = [photo for made in calibrations for photo in made.observations.photos]
+    if given is not None:
+        read_photo(given)
+        if len(photos) > 1 and not any(_base(p) == Path(given).name for p in photos):
+            raise ReadError(
+                f"none of the {len(photos)} photos has this name",
+                path=given,
+                hint="leave out --photo and put the photos beside the points",
+            )
+    found: list[Found] = []
+    for made in calibrations:
+        notes: list[str] = []
+        pictures: list[Picture | None] = []
+        for photo in made.observations.photos:
+            mine = given is not None and (len(photos) == 1 or _base(photo) == Path(given).name)
+            places = [Path(given)] if given is not None and mine else _places(made, photo, beside)
+            pictures.append(_picture(photo, places, notes))
+        found.append(Found(tuple(pictures), tuple(notes)))
+    return found
+
+
+def _base(photo: Photo) -> str:
+    """The file name at the end of what a file of points says, which may be of another system."""
+    name = photo.name.replace("\\", "/").rpartition("/")[2]
+    return "" if name in (".", "..") else name
+
+
+def _places(made: Calibration, photo: Photo, beside: Path | None) -> list[Path]:
+    name = _base(photo)
+    files = [Path(origin.path) for origin in made.observations.origins]
+    if beside is not None:
+        files.insert(0, beside)
+    return [file.parent / name for file in files] if name else []
+
+
+def _picture(photo: Photo, places: Sequence[Path], notes: list[str]) -> Picture | None:
+    name = photo.name or "the photo"
+    for index, path in enumerate(places):
+        if any(is_same(path, str(other)) for other in places[:index]) or not _is_file(path):
+            continue
+        try:
+            return _read(photo, path)
+        except ReadError as error:
+            notes.append(f"{error.message}; it is not shown")
+            return None
+    notes.append(f"{name} was not found and is not shown (--photo names it)")
+    return None
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
+
+
+def _read(photo: Photo, path: Path) -> Picture:
+    """Decode and reduce a photo.
+
+    Raises:
+        ReadError: it cannot be read, or is of another size than the picks.
+    """
+    import cv2
+
+    from plumbline.imaging.picture import decode
+
+    facts = read_photo(path)
+    if photo.frame.size not in (facts.size, facts.stored_size):
+        raise ReadError(
+            f"the photo is {facts.size[0]}x{facts.size[1]} and the points were picked at "
+            f"{photo.frame.width}x{photo.frame.height}",
+            path=path,
+        )
+    data = read_bytes(path)
+    picture = decode(data, path)
+    pixels = picture.pixels
+    scale = _LONG_SIDE / max(pixels.shape[:2])
+    if scale < 1:
+        width, height = (max(1, round(scale * side)) for side in pixels.shape[1::-1])
+        pixels = np.asarray(cv2.resize(pixels, (width, height), interpolation=cv2.INTER_AREA))
+    upright = photo.frame.size == facts.size
+    shown = _upright(_as_rgb(pixels, inks=picture.inks), facts.orientation if upright else 1)
+    return Picture(path, hashlib.sha256(data).hexdigest(), np.ascontiguousarray(shown))
+
+
+def _as_rgb(pixels: NDArray[Any], *, inks: bool) -> NDArray[np.uint8]:
+    """Red, green and blue of 8 bits from what `decode` gives."""
+    from PIL import Image
+
+    values = (
+        (pixels >> 8).astype(np.uint8) if pixels.dtype == np.uint16 else pixels.astype(np.uint8)
+    )
+    if values.ndim == 2 or values.shape[2] <= 2:
+        grey = values if values.ndim == 2 else values[..., 0]
+        return np.repeat(grey[..., None], 3, axis=2)
+    if inks:
+        return np.asarray(Image.fromarray(values, "CMYK").convert("RGB"))
+    return values[..., 2::-1]
+
+
+def _upright(pixels: NDArray[np.uint8], orientation: int) -> NDArray[np.uint8]:
+    """Turn a picture as EXIF's orientation says."""
+    if orientation >= 5:
+        pixels = np.swapaxes(pixels, 0, 1)
+    if orientation in (2, 3, 6, 7):
+        pixels = pixels[:, ::-1]
+    if orientation in (3, 4, 7, 8):
+        pixels = pixels[::-1]
+    return pixels

@@ -1,0 +1,149 @@
+"""Reports and single figures as the bytes of files."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from plumbline.calibration import Calibration, refuse_unsettled
+from plumbline.errors import WriteError
+from plumbline.files import refuse_to_clobber
+from plumbline.report.photos import Found, find_photos
+
+if TYPE_CHECKING:
+    from plumbline.comparison import Comparison
+    from plumbline.report.figures import Subject
+
+_PAGES = (".html", ".htm")
+_FIGURES = (".png", ".svg")
+
+
+def check_targets(report: str | None, plots: Sequence[str]) -> None:
+    """Refuse names of which it is not clear what to write, before anything is computed.
+
+    Raises:
+        WriteError: a suffix stands for nothing, or a name for no figure.
+    """
+    if report is not None:
+        _refuse_suffix(Path(report), _PAGES, "reports")
+    for name in plots:
+        figure_name(Path(name))
+
+
+def figure_name(target: Path) -> str:
+    """Which figure a file is to hold: `out/building.curve.png` holds `curve`.
+
+    Raises:
+        WriteError: there is no figure of that name, or the suffix is neither .png nor .svg.
+    """
+    from plumbline.report.figures import FIGURES
+
+    _refuse_suffix(target, _FIGURES, "figures")
+    name = target.stem.rpartition(".")[2]
+    if name not in FIGURES:
+        raise WriteError(
+            f"there is no figure {name!r}",
+            path=target,
+            hint=f"use one of {', '.join(FIGURES)}, as in curve.svg or building.curve.svg",
+        )
+    return name
+
+
+def _refuse_suffix(target: Path, known: Sequence[str], what: str) -> None:
+    suffix = target.suffix.lower()
+    if suffix not in known:
+        raise WriteError(
+            f"{what} are not written as {suffix or 'files without a suffix'}",
+            path=target,
+            hint=f"use one of {', '.join(known)}",
+        )
+
+
+def _targets(
+    plot: Path, calibrations: Sequence[Calibration], found: Sequence[Found]
+) -> list[tuple[Path, Subject]]:
+    """One file for each lens (each photo for `photo`), numbered from 1 if there are several."""
+    from plumbline.report.figures import Subject
+    from plumbline.report.page_figures import shown_photos
+
+    name = figure_name(plot)
+    subjects = [
+        Subject(made, index, photos.pictures[index])
+        for made, photos in zip(calibrations, found, strict=True)
+        for index in shown_photos(name, made)
+    ]
+    if len(subjects) == 1:
+        return [(plot, subjects[0])]
+    before = plot.name.removesuffix(f"{name}{plot.suffix}")
+    return [
+        (plot.with_name(f"{before}{number}.{name}{plot.suffix}"), subject)
+        for number, subject in enumerate(subjects, 1)
+    ]
+
+
+def figure_bytes(subject: Subject, target: Path) -> bytes:
+    """One figure as PNG or SVG, as the name of its file says.
+
+    Raises:
+        WriteError: the name says neither.
+    """
+    from plumbline.report.figures import FIGURES, style
+
+    name = figure_name(target)
+    with style.drawing():
+        figure = FIGURES[name](subject)
+        return (
+            style.png_bytes(figure) if target.suffix.lower() == ".png" else style.svg_bytes(figure)
+        )
+
+
+def report_contents(
+    calibrations: Sequence[Calibration],
+    report: str | None,
+    plots: Sequence[str],
+    *,
+    comparisons: Sequence[Comparison | None] = (),
+    photo: str | None = None,
+    source: str | None = None,
+    overwrite: bool = False,
+) -> tuple[dict[Path, bytes], list[str]]:
+    """What goes into a report and into single figures; nothing is written yet.
+
+    Args:
+        calibrations: One a lens.
+        report: The page to make, if any.
+        plots: Figures to make, each named by the last part of its stem.
+        comparisons: The comparison of models for each lens, for the page.
+        photo: The photograph, where it is not found by name.
+        source: The file of results, beside which photos are looked for too.
+        overwrite: Replace files that plumbline did not write.
+
+    Returns:
+        The bytes of each file, and notes on photos that are not shown.
+
+    Raises:
+        WriteError: a file exists and is not plumbline's, or its name says nothing.
+        ReadError: the photograph cannot be read.
+        UnsettledError: a fit did not reach a minimum.
+    """
+    refuse_unsettled(calibrations)
+    check_targets(report, plots)
+    found = find_photos(calibrations, photo, None if source is None else Path(source))
+    inputs = [o.path for made in calibrations for o in made.observations.origins]
+    inputs += [str(p.path) for each in found for p in each.pictures if p is not None]
+    inputs += [name for name in (source, photo) if name is not None]
+    contents: dict[Path, bytes] = {}
+    if report is not None:
+        from plumbline.report.page import Part, page_bytes
+
+        refuse_to_clobber(Path(report), inputs, overwrite=overwrite)
+        compared = comparisons or [None] * len(calibrations)
+        contents[Path(report)] = page_bytes(
+            [Part(*each) for each in zip(calibrations, found, compared, strict=True)]
+        )
+    for plot in plots:
+        for target, subject in _targets(Path(plot), calibrations, found):
+            refuse_to_clobber(target, inputs, overwrite=overwrite)
+            contents[target] = figure_bytes(subject, target)
+    return contents, list(dict.fromkeys(note for each in found for note in each.notes))

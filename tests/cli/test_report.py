@@ -1,0 +1,227 @@
+"""`plumbline report`, and `fit` with --report and --plot."""
+
+from __future__ import annotations
+
+import json
+import shlex
+import shutil
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+from PIL import Image
+
+from plumbline.cli import main
+from plumbline.report.figures import FIGURES
+
+SAMPLES = Path(__file__).parents[2] / "sample_projects"
+
+
+class Result(NamedTuple):
+    """How a command ended."""
+
+    status: int
+    out: str
+    err: str
+
+
+Run = Callable[..., Result]
+
+
+@pytest.fixture
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
+    """Run the command in this process, in a folder that holds the first sample project."""
+    for name in ("building.pto", "facade.jpg"):
+        shutil.copy(SAMPLES / "building" / name, tmp_path)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "unraisablehook", sys.unraisablehook)
+
+    def call(*words: str) -> Result:
+        monkeypatch.setattr(sys, "argv", ["plumbline", *words])
+        capsys.readouterr()
+        with pytest.raises(SystemExit) as ended:
+            main()
+        out, err = capsys.readouterr()
+        code = ended.value.code
+        assert isinstance(code, int)
+        return Result(code, out, err)
+
+    return call
+
+
+@pytest.fixture
+def result(run: Run) -> str:
+    """A result JSON."""
+    assert run("fit", "building.pto", "-o", "building.json", "-q").status == 0
+    return "building.json"
+
+
+def files() -> set[str]:
+    return {path.name for path in Path().iterdir()} - {"building.pto", "facade.jpg"}
+
+
+def test_a_fit_with_its_report_and_a_figure(run: Run) -> None:
+    words = ("fit", "building.pto", "-q", "--report", "a b.html", "--plot", "x.curve.svg")
+    done = run(*words)
+    assert done.status == 0
+    made = ["building.fit.pto", "building.fit.xml", "a b.html", "x.curve.svg"]
+    assert done.out.splitlines()[-4:] == [f"Wrote {name}" for name in made]
+    assert files() == set(made)
+    page = Path("a b.html").read_text()
+    command = shlex.join(["plumbline", *words])
+    assert f"<code>{command}</code>" in page
+    assert "data:image/jpeg" in page
+    assert Path("x.curve.svg").read_bytes().startswith(b"<?xml")
+
+
+def test_the_json_knows_its_command_and_gives_the_same_report(run: Run) -> None:
+    run("fit", "building.pto", "-q", "-o", "building.json", "--report", "first.html")
+    command = "plumbline fit building.pto -q -o building.json --report first.html"
+    assert json.loads(Path("building.json").read_text())["command"] == command
+    done = run("report", "building.json")
+    assert done == (0, "Wrote building.html\n", done.err)
+    assert Path("building.html").read_bytes() == Path("first.html").read_bytes()
+
+
+@pytest.mark.parametrize("suffix", ["png", "svg"])
+def test_every_figure_by_name(run: Run, result: str, suffix: str) -> None:
+    Path("out").mkdir()
+    plots = [f"out/building.{name}.{suffix}" for name in FIGURES]
+    done = run("report", result, *(word for plot in plots for word in ("--plot", plot)))
+    assert done.out.splitlines() == [f"Wrote {plot}" for plot in plots]
+    assert files() == {"building.json", "out"}
+    if suffix == "png":
+        for plot in plots:
+            with Image.open(plot) as image:
+                assert image.width > 600
+                assert "made by plumbline" in image.info["Software"]
+
+
+def test_files_of_ours_are_replaced_and_others_kept(run: Run, result: str) -> None:
+    wanted = ("report", result, "--plot", "curve.svg", "--plot", "lines.png", "-o", "r.html")
+    assert run(*wanted).status == 0
+    assert run(*wanted).status == 0
+    for name in ("curve.svg", "lines.png", "r.html"):
+        mine = Path(name).read_bytes()
+        Path(name).write_text("mine")
+        done = run(*wanted)
+        assert done.status == 1
+        assert f"{name}: this file exists and was not written by plumbline" in done.err
+        assert Path(name).read_text() == "mine"
+        assert run(*wanted, "--overwrite").status == 0
+        assert Path(name).read_bytes() == mine
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence", "remedy"),
+    [
+        (("building.pto",), "a report needs residuals and error bars", "plumbline fit POINTS -o"),
+        (("facade.jpg",), "a report needs residuals and error bars", "plumbline fit POINTS -o"),
+        (("missing.json",), "there is no such file", "check the name"),
+        (("building.json", "--plot", "bend.svg"), "no figure 'bend'", "photo, lines, curve"),
+        (("building.json", "--plot", "curve.pdf"), "not written as .pdf", ".png, .svg"),
+        (("building.json", "--plot", "curve"), "files without a suffix", ".png, .svg"),
+        (("building.json", "-o", "report.pdf"), "not written as .pdf", ".html"),
+        (("building.json", "--photo", "no.jpg"), "there is no such photo", "give a JPEG"),
+        (("building.json", "--photo", "building.pto"), "no picture that can be read", "JPEG"),
+        (("building.json", "-o", "no/r.html"), "the folder does not exist", "make it first"),
+        (("other.json",), "no calibration written by plumbline", "fit again"),
+        (("zoom.json",), "this is a zoom lens", "plumbline report RESULT"),
+    ],
+)
+def test_bad_input_gets_a_sentence_and_a_remedy(
+    run: Run, result: str, words: tuple[str, ...], sentence: str, remedy: str
+) -> None:
+    Path("other.json").write_text('{"format": "something else"}')
+    Path("zoom.json").write_text('{"format": "plumbline zoom"}')
+    before = files()
+    done = run("report", *words)
+    assert done.status == 1
+    assert sentence in done.err
+    assert remedy in done.err
+    assert files() == before
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        {"dof": 0},
+        {"coefficients": {"a": 0, "b": -0.4, "c": 0, "d": 0, "e": 0}},
+        {"coefficients": {"a": 0, "b": 1, "c": 0, "d": 0, "e": 0}},
+        {"coefficients": {"a": 0, "b": -0.02, "c": 0, "d": 1e6, "e": 0}},
+    ],
+    ids=["no freedom", "folded", "no scale", "far away"],
+)
+def test_a_lens_that_is_not_that_of_its_picks(run: Run, result: str, damage: object) -> None:
+    whole = json.loads(Path(result).read_text())
+    assert isinstance(damage, dict)
+    Path("damaged.json").write_text(json.dumps(whole | damage))
+    done = run("report", "damaged.json")
+    assert done.status == 1
+    assert "the lens does not go with the picks" in done.err
+    assert "fit again" in done.err
+
+
+def test_a_wrong_name_is_said_before_the_fit(run: Run) -> None:
+    for words in (("--plot", "bend.svg"), ("--report", "report.pdf")):
+        done = run("fit", "building.pto", *words)
+        assert done.status == 1
+        assert not files()
+
+
+def test_a_file_that_may_not_be_written_stops_all_of_them(run: Run) -> None:
+    Path("report.html").write_text("mine")
+    done = run("fit", "building.pto", "--report", "report.html")
+    assert done.status == 1
+    assert files() == {"report.html"}
+
+
+def test_inputs_are_never_overwritten(run: Run, result: str) -> None:
+    Path("link.html").symlink_to("building.json")
+    shutil.copy("facade.jpg", "photo.png")
+    done = run("report", result, "-o", "link.html", "--overwrite")
+    assert (done.status, "never overwritten" in done.err) == (1, True)
+    plot = ("--photo", "photo.png", "--plot", "photo.png", "--overwrite")
+    done = run("report", result, *plot)
+    assert (done.status, "never overwritten" in done.err) == (1, True)
+
+
+def test_without_the_photo_it_comes_with_an_empty_frame(run: Run, result: str) -> None:
+    Path("facade.jpg").unlink()
+    done = run("report", result)
+    assert done.status == 0
+    assert done.err.endswith(
+        "Note: facade.jpg was not found and is not shown (--photo names it).\n"
+    )
+    assert "data:image/jpeg" not in Path("building.html").read_text()
+
+
+def test_the_photo_may_be_elsewhere(run: Run, result: str) -> None:
+    Path("photos").mkdir()
+    Path("facade.jpg").rename("photos/other.jpg")
+    done = run("report", result, "--photo", "photos/other.jpg")
+    assert done.status == 0
+    assert "Note" not in done.err
+    assert "data:image/jpeg" in Path("building.html").read_text()
+
+
+def test_a_result_elsewhere_finds_its_photo(run: Run, result: str) -> None:
+    Path("results").mkdir()
+    Path(result).rename("results/building.json")
+    assert "Note" not in run("report", "results/building.json").err
+    assert Path("results/building.html").exists()
+
+
+def test_several_lenses_are_numbered(run: Run) -> None:
+    for path in (SAMPLES / "zoom").iterdir():
+        shutil.copy(path, ".")
+    done = run("fit", "zoom.pto", "-q", "--report", "zoom.html", "--plot", "zoom.curve.svg")
+    assert done.out.splitlines()[-4:] == [
+        "Wrote zoom.html",
+        "Wrote zoom.1.curve.svg",
+        "Wrote zoom.2.curve.svg",
+        "Wrote zoom.3.curve.svg",
+    ]
+    assert Path("zoom.html").read_text().count("<h2>") == 3
