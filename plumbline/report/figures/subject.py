@@ -13,6 +13,7 @@ from plumbline.errors import FoldedError
 from plumbline.frame import Array, Frame
 from plumbline.ideal import undistorted
 from plumbline.lens import Lens
+from plumbline.linearised import in_frame
 from plumbline.report.photos import Picture
 from plumbline.straightness import fit_lines
 from plumbline.student import quantile
@@ -69,15 +70,11 @@ def drawn_lines(made: Calibration) -> tuple[Drawn, ...]:
     """Every line of a calibration."""
     lens, linear = made.lens, made.linearised
     frames = [photo.frame for photo in made.observations.photos]
-    every = [
-        lens.frame.to_pixels(frames[line.photo].normalise(line.points_px, 1.0), 1.0)
-        for line in made.observations.lines
-    ]
-    observed = np.concatenate(every)
+    observed = np.concatenate(in_frame(made.observations, lens.frame))
     # Ideal points are measured from the distortion centre, observed ones from the photo's.
     ideal = undistorted(lens, observed).uv
     line, kept = linear.line, linear.kept
-    lines = fit_lines(ideal, line, linear.n_lines, kept.astype(np.float64))
+    lines = fit_lines(ideal, np.bincount(line), kept.astype(np.float64))
     centre = lens.frame.normalise(lens.centre_px, 1.0)
     outwards = np.where(np.sum(lines.centre * lines.across, axis=1) < 0, -1.0, 1.0)
     away = np.where(lines.count[line] > 0, linear.residual_px * outwards[line], np.nan)
@@ -90,7 +87,6 @@ def drawn_lines(made: Calibration) -> tuple[Drawn, ...]:
         which = slice(start, end)
         source = made.observations.lines[index]
         frame = frames[source.photo]
-
         span = linear.along_px[which][kept[which]]
         reach = np.linspace(span.min(), span.max(), _CURVE) if len(span) else np.zeros(0)
         found.append(
