@@ -73,6 +73,7 @@ def profile_of(stored: StoredLens, description: str) -> LensProfile:
         camera=facts.camera,
         crop_factor=facts.crop_factor,
         pixel_aspect=lens.frame.pixel_aspect,
+        photos=tuple(_base(name).casefold() for name in stored.photos),
         notes=stored.notes,
     )
 
