@@ -73,15 +73,19 @@ class PhotoFacts:
         return replace(self, history="", profile_applied=False, in_camera="")
 
 
-def read_photo(path: str | Path) -> PhotoFacts:
+def read_photo(path: str | Path, *, remedy: str = "") -> PhotoFacts:
     """Read the header of a photograph; its pixels are not decoded.
+
+    Args:
+        path: The file.
+        remedy: What else the user can do where it is none.
 
     Raises:
         ReadError: the file is missing or no picture that Pillow knows.
     """
     from PIL import Image, UnidentifiedImageError
 
-    hint = "give a JPEG, TIFF, PNG or WebP, or the size alone with --size WIDTHxHEIGHT"
+    hint = f"give a JPEG, TIFF, PNG or WebP{remedy}"
     try:
         if not Path(path).is_file() and Path(path).exists():
             raise ReadError("this is no file", path=path, hint=hint)

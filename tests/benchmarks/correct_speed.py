@@ -29,6 +29,8 @@ IMPORTS = (
     "import plumbline.cli.correct, plumbline.cli.correcting, plumbline.lenses.lookup, "
     "plumbline.lenses.sources, plumbline.lenses.profile"
 )
+ENVIRONMENT = os.environ | {"PYTHONPATH": str(ROOT)}
+ENVIRONMENT.pop("PYTHONDONTWRITEBYTECODE", None)  # an installed program is compiled already
 PAINT = f"""
 import cv2, numpy as np
 rng = np.random.default_rng(0)
@@ -64,7 +66,7 @@ def run(command: Sequence[str], folder: Path, cores: set[int] | None = None) -> 
     process = subprocess.Popen(
         command,
         cwd=folder,
-        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        env=ENVIRONMENT,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
     )

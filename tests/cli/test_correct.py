@@ -50,6 +50,14 @@ def photo(path: Path, seed: int = 0) -> Path:
     return path
 
 
+def test_a_remedy_is_one(tmp_path: Path) -> None:
+    """--size goes with points, not with photographs."""
+    assert "--size" not in plumb(tmp_path, "correct", "missing.jpg", status=1).stderr
+    (tmp_path / "p.csv").write_text("1,2\n")
+    arguments = ("correct", "missing.jpg", "--points", "p.csv", *PTLENS)
+    assert "--size WIDTHxHEIGHT" in plumb(tmp_path, *arguments, status=1).stderr
+
+
 def test_it_says_what_was_found_and_written(tmp_path: Path) -> None:
     photo(tmp_path / "a.jpg")
     done = plumb(tmp_path, "correct", "a.jpg", *PTLENS)
