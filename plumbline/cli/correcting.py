@@ -30,7 +30,8 @@ def pictures(sources: Sequence[str], request: LensRequest, how: Mapping[str, Any
     settings = Settings(**{name: how[name] for name in _SETTINGS})
     tasks = plan(sources, how["output"], how["suffix"], difference=settings.difference)
     single = len(sources) == len(tasks) == 1 and not Path(sources[0]).is_dir()
-    if single and not (how["skip_existing"] and tasks[0].target.exists()):
+    here = single and not how["scheduler"]
+    if here and not (how["skip_existing"] and tasks[0].target.exists()):
         _make_folder(tasks[0], how["output"])
         done = correct_file(
             tasks[0].photo, tasks[0].target, request, settings, overwrite=how["overwrite"]

@@ -42,7 +42,6 @@ def stored_lenses(source: Source) -> tuple[StoredLens, ...]:
         return _of_images(source, pto.read_images(source))
     if source.suffix == ".ini" or "[lens]" in head.casefold():
         return (_of_ini(source),)
-    source.text()
     raise source.error("this file holds no lens that is known here", hint=f"name {_KINDS}")
 
 

@@ -54,6 +54,13 @@ def test_a_remedy_is_one(tmp_path: Path) -> None:
     """--size goes with points, not with photographs."""
     assert "--size" not in plumb(tmp_path, "correct", "missing.jpg", status=1).stderr
     (tmp_path / "p.csv").write_text("1,2\n")
+    (tmp_path / "p.bin").write_bytes(bytes(range(256)))
+    arguments = ("correct", "--points", "p.bin", "--size", "9x9", *PTLENS)
+    assert "--format: plumbline convert takes that" in plumb(tmp_path, *arguments, status=1).stderr
+    photo(tmp_path / "a.jpg")
+    done = plumb(tmp_path, "correct", "a.jpg", "--lens", "p.bin", status=1)
+    assert "p.bin: this file holds no lens that is known here" in done.stderr
+    assert "--format" not in done.stderr
     arguments = ("correct", "missing.jpg", "--points", "p.csv", *PTLENS)
     assert "--size WIDTHxHEIGHT" in plumb(tmp_path, *arguments, status=1).stderr
 
@@ -129,7 +136,7 @@ def test_a_dask_scheduler_does_it(tmp_path: Path) -> None:
 def test_a_scheduler_that_is_not_there(tmp_path: Path) -> None:
     pytest.importorskip("distributed", reason="Dask is not installed")
     photo(tmp_path / "a.jpg")
-    arguments = ("correct", "a.jpg", ".", *PTLENS, "--scheduler", "tcp://127.0.0.1:1")
+    arguments = ("correct", "a.jpg", *PTLENS, "--scheduler", "tcp://127.0.0.1:1")
     assert "does not answer" in plumb(tmp_path, *arguments, status=1).stderr
 
 
