@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from plumbline.errors import OptionError, PlumblineError, ReadError
 from plumbline.facts import LensFacts
@@ -279,6 +280,23 @@ class TestFrames:
             find_correction(square, LensRequest(source=xml))
         assert "--full-size" in error.value.hint
         assert "--crop-factor" in error.value.hint
+
+    def test_a_digital_zoom_is_told_with_its_remedy(self, tmp_path: Path, xml: str) -> None:
+        exif = Image.Exif()
+        exif[0x010F], exif[0x0110] = "Maker", "Body 1"
+        inner = exif.get_ifd(0x8769)
+        inner[0x920A], inner[0xA404] = 12.0, 1.5
+        Image.new("L", (1200, 800)).save(tmp_path / "a.jpg", exif=exif)
+        shot = read_photo(tmp_path / "a.jpg")
+        (note,) = find_correction(shot, LensRequest(source=xml)).notes
+        assert "digital zoom of 1.5" in note
+        assert note.endswith("--full-size 1800x1200")
+        told = find_correction(shot, LensRequest(source=xml, full_size=(1800, 1200)))
+        assert not any("zoom" in note for note in told.notes)
+        for nothing in (0.0, 1.0):
+            inner[0xA404] = nothing
+            Image.new("L", (1200, 800)).save(tmp_path / "a.jpg", exif=exif)
+            assert not find_correction(read_photo(tmp_path / "a.jpg"), LensRequest(xml)).notes
 
     def test_full_size_lays_the_whole_lens_over_the_middle(self, xml: str) -> None:
         square = facts((1000, 1000), exif_size=(4000, 3000))
