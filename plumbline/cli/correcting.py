@@ -12,6 +12,7 @@ from typing import Any
 import click
 
 from plumbline.errors import OptionError, printable
+from plumbline.files import read_bytes
 from plumbline.imaging.batch import Outcome, Work, run, run_in_processes
 from plumbline.imaging.correct import Corrected, correct_file, correction_for
 from plumbline.imaging.resample import cores
@@ -38,6 +39,8 @@ def pictures(sources: Sequence[str], request: LensRequest, how: Mapping[str, Any
         )
         _tell(done, quiet=how["quiet"])
         return
+    if request.source is not None and not Path(request.source).is_dir():
+        read_bytes(request.source)  # what is wrong with it is told once, not for every photo
     work = Work(request, settings, how["overwrite"], how["skip_existing"])
     failed = _many(tasks, work, how)
     if failed:

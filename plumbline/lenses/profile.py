@@ -40,8 +40,8 @@ class LensProfile:
         coefficients: Those of the model, in its order.
         unit: Length of a normalised radius of 1, as a share of the picture's diagonal.
         size: Width and height in pixels of the picture it was calibrated in, if known.
-        aspect: Width over height of that picture; None if the lens is for the photo as it is,
-            whatever its shape.
+        aspect: Width over height of that picture; None if the lens is for the photo as it is
+            stored, whatever its shape.
         observed_centre: Offset of the distortion centre in units of `unit`, observed side.
         ideal_centre: The same on the ideal side.
         camera: The camera it was calibrated with; may be empty.
@@ -213,9 +213,9 @@ def _turns(profile: LensProfile, photo: PhotoFacts) -> tuple[Turn, Turn | None]:
     if round_about_the_middle:
         return UPRIGHT, None
     wide, was_wide = photo.size[0] >= photo.size[1], profile.aspect is None or profile.aspect >= 1
-    if profile.aspect is None or (wide == was_wide and photo.name.casefold() in profile.photos):
+    if wide == was_wide and photo.name.casefold() in profile.photos:
         return UPRIGHT, None
-    if was_wide and wide != photo.turned:
+    if profile.aspect is None or (was_wide and wide != photo.turned):
         return TURNS[photo.orientation], None
     # EXIF does not tell to which side the camera was turned, for the one photo or the other.
     return (UPRIGHT, TURNS[3]) if wide == was_wide else (TURNS[6], TURNS[8])

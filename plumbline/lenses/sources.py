@@ -147,7 +147,8 @@ def given_outright(photo: PhotoFacts, request: LensRequest) -> LensProfile:
     if wrong:
         raise OptionError(
             f"{', '.join(wrong)} is no coefficient of the ptlens model",
-            hint="give them as --ptlens a=0,b=-0.02,c=0; d and e, the centre, are in pixels",
+            hint="give them as --ptlens a=0,b=-0.02,c=0; d and e, the centre, are in pixels of the "
+            "photo as it is stored",
         )
     if any(abs(given.get(name, 0.0)) > _LARGEST for name in ("a", "b", "c")):
         raise OptionError(

@@ -108,6 +108,14 @@ def test_many_photographs_one_of_them_bad(tmp_path: Path) -> None:
     assert "Corrected 0 photos, skipped 3 done before." in done.stdout
 
 
+def test_a_lens_file_that_is_not_there_is_told_once(tmp_path: Path) -> None:
+    for seed in range(3):
+        photo(tmp_path / f"{seed}.jpg", seed)
+    done = plumb(tmp_path, "correct", ".", "--lens", "no.json", status=1)
+    assert done.stderr.count("no.json: there is no such file") == 1
+    assert len(list(tmp_path.iterdir())) == 3
+
+
 def test_a_dask_scheduler_does_it(tmp_path: Path) -> None:
     """Two worker processes that have another working folder, over the loopback."""
     distributed = pytest.importorskip(

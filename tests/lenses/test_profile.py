@@ -110,9 +110,15 @@ def test_the_photo_that_was_calibrated_is_not_doubted() -> None:
     assert not correction_for(_shot(TALL, name="FACADE.jpg"), made).notes
 
 
-@pytest.mark.parametrize("size", [WIDE, TALL])
-def test_coefficients_typed_in_are_those_of_the_photo_as_it_stands(size: tuple[int, int]) -> None:
-    found = correction_for(_shot(size), LensRequest(ptlens={"b": B, "d": D, "e": E}))
+@pytest.mark.parametrize(
+    ("size", "orientation", "centre"),
+    [(WIDE, 1, (D, E)), (TALL, 1, (D, E)), (WIDE, 3, (-D, -E)), (TALL, 6, (-E, D))],
+)
+def test_coefficients_typed_in_are_those_of_the_photo_as_stored(
+    size: tuple[int, int], orientation: int, centre: tuple[float, float]
+) -> None:
+    request = LensRequest(ptlens={"b": B, "d": D, "e": E})
+    found = correction_for(_shot(size, orientation), request)
     points = _grid(size)
-    assert np.max(np.abs(found.distort(points) - _truth(size, D, E).distort(points))) < 1e-9
+    assert np.max(np.abs(found.distort(points) - _truth(size, *centre).distort(points))) < 1e-9
     assert not found.notes
