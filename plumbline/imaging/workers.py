@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import os
+import signal
 import threading
-from concurrent.futures import Executor, ProcessPoolExecutor
+from collections.abc import Callable, Generator
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from contextlib import contextmanager
 from multiprocessing import connection, get_context, parent_process
 from typing import Any
 
@@ -12,9 +15,11 @@ from plumbline.errors import OptionError
 
 
 def processes(jobs: int) -> Executor:
-    """A pool of processes that end when this one does, even if it is killed."""
-    context = get_context("spawn")
-    return ProcessPoolExecutor(jobs, mp_context=context, initializer=_end_with_parent)
+    """A pool of processes that end when this one does, even if it is killed.
+
+    Ctrl-C, which a terminal sends to all of them, is this one's alone to answer.
+    """
+    return _Pool(jobs, mp_context=get_context("spawn"), initializer=_end_with_parent)
 
 
 def dask_client(address: str) -> Any:
@@ -36,6 +41,27 @@ def dask_client(address: str) -> Any:
             f"the scheduler {address} does not answer: {error}",
             hint="give the address that `dask scheduler` prints, as tcp://host:8786",
         ) from None
+
+
+class _Pool(ProcessPoolExecutor):
+    """A pool whose processes, which start as work comes in, are not to be interrupted."""
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        with _interrupts_held():
+            return super().submit(fn, *args, **kwargs)
+
+
+@contextmanager
+def _interrupts_held() -> Generator[None]:
+    """Hold Ctrl-C back for a moment; processes that are started meanwhile never see it."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _end_with_parent() -> None:

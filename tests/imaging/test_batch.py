@@ -209,7 +209,7 @@ def test_killing_the_process_at_any_moment_leaves_no_partial_result(
     out = tmp_path / "out"
     out.mkdir()
     found: list[int] = []
-    for share in np.random.default_rng().uniform(0.4, 1.0, 10):
+    for share in np.random.default_rng().uniform(0.4, 1.0, 6):
         for path in out.iterdir():
             path.unlink()
         process = subprocess.Popen([*command, "out"], cwd=tmp_path, env=environment)

@@ -45,3 +45,29 @@ def test_workers_end_when_their_parent_is_killed() -> None:
     while any(map(_runs, workers)):
         assert time.monotonic() < ended_by, "a worker outlives its parent"
         time.sleep(0.05)
+
+
+_INTERRUPTED = """
+import os, signal
+from plumbline.imaging.workers import processes
+
+if __name__ == "__main__":
+    with processes(1) as pool:
+        worker = pool.submit(os.getpid).result()
+        for _ in range(3):
+            os.kill(worker, signal.SIGINT)
+        assert pool.submit(os.getpid).result() == worker
+    assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, ())
+"""
+
+
+@pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="signals are those of POSIX")
+def test_an_interrupt_is_the_parent_s_alone() -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", _INTERRUPTED],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
