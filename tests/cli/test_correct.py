@@ -60,6 +60,7 @@ def test_a_remedy_is_one(tmp_path: Path) -> None:
     photo(tmp_path / "a.jpg")
     done = plumb(tmp_path, "correct", "a.jpg", "--lens", "p.bin", status=1)
     assert "p.bin: this file holds no lens that is known here" in done.stderr
+    assert "a PTLens profile, a zoom JSON, a result JSON" in done.stderr
     assert "--format" not in done.stderr
     arguments = ("correct", "missing.jpg", "--points", "p.csv", *PTLENS)
     assert "--size WIDTHxHEIGHT" in plumb(tmp_path, *arguments, status=1).stderr

@@ -99,3 +99,11 @@ def test_the_original_is_never_written_over(tmp_path: Path) -> None:
     done = plumbline("export", result, "--to", "json", "-o", result, "--overwrite", home=tmp_path)
     assert done.returncode == 1
     assert Path(result).read_bytes() == before
+
+
+def test_a_file_of_another_kind_is_told_what_goes(tmp_path: Path) -> None:
+    (tmp_path / "x.txt").write_text("menu_lens: Standard")
+    done = plumbline("export", tmp_path / "x.txt", "--to", "lensfun", home=tmp_path)
+    assert done.returncode == 1
+    kinds = "a result JSON, a Hugin or PTGui project, or a Hugin lens .ini"
+    assert f"  name {kinds}." in done.stderr

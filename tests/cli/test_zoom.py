@@ -59,8 +59,10 @@ def test_specimens_are_pooled_and_their_scatter_shown(tmp_path: Path) -> None:
     assert "centres up to 30.0 px apart" in done.stdout
 
 
-def test_files_that_are_no_results(tmp_path: Path) -> None:
-    (tmp_path / "x.json").write_text("{}")
+@pytest.mark.parametrize("content", ["{}", "begin lens", ""])
+def test_files_that_are_no_results(tmp_path: Path, content: str) -> None:
+    (tmp_path / "x.json").write_text(content)
     done = plumbline("zoom", tmp_path / "x.json", home=tmp_path)
     assert done.returncode == 1
-    assert "Traceback" not in done.stderr
+    assert "x.json: this is no calibration written by plumbline." in done.stderr
+    assert "plumbline fit POINTS -o result.json" in done.stderr
