@@ -202,18 +202,19 @@ def test_killing_the_process_at_any_moment_leaves_no_partial_result(
     command = [sys.executable, "-m", "plumbline", "correct", "in", "-q", "--jobs", jobs]
     command += ["--ptlens", "a=0,b=-0.05,c=0", "-o"]
     environment = os.environ | {"PYTHONPATH": str(ROOT)}
-    started = time.perf_counter()
     subprocess.run([*command, "whole"], cwd=tmp_path, env=environment, check=True)
-    whole_s = time.perf_counter() - started
     expected = {name: (tmp_path / "whole" / name).read_bytes() for name in names}
     out = tmp_path / "out"
     out.mkdir()
+    rng = np.random.default_rng()
     found: list[int] = []
-    for share in np.random.default_rng().uniform(0.4, 1.0, 6):
+    for done in (1, *rng.integers(0, len(names), 5)):  # results that are there when it is killed
         for path in out.iterdir():
-            path.unlink()
+            path.unlink(missing_ok=True)
         process = subprocess.Popen([*command, "out"], cwd=tmp_path, env=environment)
-        time.sleep(whole_s * share)
+        while process.poll() is None and len(list(out.glob("*.jpg"))) < done:
+            time.sleep(0.001)
+        time.sleep(rng.uniform(0, 0.05))
         process.kill()
         process.wait()
         found.append(_complete(out, expected))
