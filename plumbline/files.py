@@ -12,7 +12,7 @@ from pathlib import Path
 from plumbline.errors import ReadError, WriteError
 
 MARK = "made by plumbline"
-"""Stands in the head of every PTO and XML that plumbline makes from nothing."""
+"""Stands in the head of every PTO and XML that plumbline makes from nothing, and ends its maps."""
 
 RESULT = "plumbline calibration"
 """Stands in the head of every JSON of calibrations that plumbline makes."""
@@ -31,6 +31,7 @@ _MOST_BYTES = 2**31
 _NAME_A_FILE = "name another file"
 _MOST_LOOKED_AT = 2**20
 _MOST_OF_HEADER = 1024
+_MARKED_AT_THE_END = (".tif", ".tiff", ".npz")
 _NEW_FILE = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
 
 
@@ -104,8 +105,12 @@ def _is_ours(target: Path) -> bool:
     try:
         with target.open("rb") as file:
             head = file.read(_MOST_LOOKED_AT)
+            file.seek(max(file.seek(0, os.SEEK_END) - _MOST_OF_HEADER, 0))
+            tail = file.read()
     except OSError:
         return False
+    if target.suffix.lower() in _MARKED_AT_THE_END:
+        return MARK.encode() in tail
     if target.suffix.lower() == ".json":
         marks = [f'"{name}"'.encode() for name in (RESULT, ZOOM)]
         start = head[:_MOST_OF_HEADER]

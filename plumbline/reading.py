@@ -24,6 +24,7 @@ from plumbline.photos import (
 from plumbline.result_reading import from_json
 
 _ONE_FIELD_OF_VIEW = 0.02
+_GIVE_SIZE = ", or the size alone with --size WIDTHxHEIGHT"
 _SHIFT_AND_SHEAR = ("d", "e", "g", "t")
 
 
@@ -76,7 +77,7 @@ def read(
         )
     if grid is not None and min(grid) < 2:
         raise OptionError("a grid has at least two rows and two columns", hint="as --grid 7x9")
-    shot = None if photo is None else read_photo(photo)
+    shot = None if photo is None else read_photo(photo, remedy=_GIVE_SIZE)
     known = size if size is not None or shot is None else shot.size
     raw = _chosen(source, found.read(source, ReadOptions(known, grid, order)), image)
     notes = list(raw.notes)

@@ -97,6 +97,8 @@ def test_the_input_is_never_overwritten_under_whatever_name(folder: Path, overwr
         ("x.pto", b"i\tw4\td-1.000000000000000001"),
         ("x.xml", b"<lensdatabase>\n<!-- made by plumbline 0.1; -->"),
         ("x.json", b'{\n  "format": "plumbline calibration",\n'),
+        ("x.npz", bytes(3000) + b"made by plumbline 0.1"),
+        ("x.tif", bytes(3000) + b"made by plumbline 0.1\0" + bytes(99)),
     ],
 )
 def test_earlier_outputs_are_replaced(folder: Path, name: str, content: bytes) -> None:
@@ -114,6 +116,7 @@ def test_earlier_outputs_are_replaced(folder: Path, name: str, content: bytes) -
         ("x.xml", b"<lensdatabase version='1'></lensdatabase>"),
         ("x.xml", b"<a/>" * 1000 + b"<!-- made by plumbline 0.1; -->"),
         ("x.json", b'{"shapes": []}'),
+        ("x.tif", b"made by plumbline 0.1" + bytes(3000)),
         ("x.json", b'{"notes": "' + b"x" * 2000 + b'", "format": "plumbline calibration"}'),
     ],
 )

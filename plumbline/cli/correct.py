@@ -6,7 +6,6 @@ import os
 from typing import Any
 
 import click
-from click.core import ParameterSource
 
 from plumbline.cli import lens_options, options
 
@@ -33,10 +32,11 @@ _FOR_PICTURES = {
     *("interpolation", "border", "quality", "difference", "jobs", "scheduler", "skip_existing"),
 }
 _USELESS = {
-    "points": {*_FOR_PICTURES, "scale"},
-    "map_file": {*_FOR_PICTURES, "output", "suffix"},
+    "points": ("--points", {*_FOR_PICTURES, "scale"}),
+    "map_file": ("--map", {*_FOR_PICTURES, "output", "suffix"}),
+    "scheduler": ("--scheduler", {"jobs"}),
 }
-"""Options that say nothing where points are corrected, or a map is written."""
+"""Options that say nothing beside another: its parameter, its name, and theirs."""
 
 
 @click.command("correct", help=_HELP, short_help="Take the lens distortion out of photographs.")
@@ -117,7 +117,12 @@ def command(
     from plumbline.cli import correcting
     from plumbline.errors import OptionError
 
-    _refuse_useless(click.get_current_context())
+    context = click.get_current_context()
+    for name, (option, useless) in _USELESS.items():
+        if context.params[name] is not None:
+            options.refuse_useless(context, option, useless)
+    if points is not None and how["output"] is not None:
+        options.refuse_useless(context, "--points with -o", ["suffix"])
     request = lens_options.request_of(**{name: how.pop(name) for name in _ABOUT_LENS})
     first, *others = photos or ("",)
     if points is not None:
@@ -134,14 +139,3 @@ def command(
         raise OptionError("--map writes the map of one photo", hint="name one photo")
     else:
         correcting.sampling_map(first, map_file, request, how)
-
-
-def _refuse_useless(context: click.Context) -> None:
-    """Refuse options that would be ignored."""
-    for kind, useless in _USELESS.items():
-        if context.params[kind] is None:
-            continue
-        names = {parameter.name: parameter.opts[0] for parameter in context.command.params}
-        for name in sorted(useless):
-            if context.get_parameter_source(name) is ParameterSource.COMMANDLINE:
-                raise click.UsageError(f"{names[kind]} has no use for {names[name]}; leave it out")

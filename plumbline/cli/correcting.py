@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import Executor
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -13,6 +12,7 @@ from typing import Any
 import click
 
 from plumbline.errors import OptionError, printable
+from plumbline.files import read_bytes
 from plumbline.imaging.batch import Outcome, Work, run, run_in_processes
 from plumbline.imaging.correct import Corrected, correct_file, correction_for
 from plumbline.imaging.resample import cores
@@ -31,13 +31,16 @@ def pictures(sources: Sequence[str], request: LensRequest, how: Mapping[str, Any
     settings = Settings(**{name: how[name] for name in _SETTINGS})
     tasks = plan(sources, how["output"], how["suffix"], difference=settings.difference)
     single = len(sources) == len(tasks) == 1 and not Path(sources[0]).is_dir()
-    if single and not (how["skip_existing"] and tasks[0].target.exists()):
+    here = single and not how["scheduler"]
+    if here and not (how["skip_existing"] and tasks[0].target.exists()):
         _make_folder(tasks[0], how["output"])
         done = correct_file(
             tasks[0].photo, tasks[0].target, request, settings, overwrite=how["overwrite"]
         )
         _tell(done, quiet=how["quiet"])
         return
+    if request.source is not None and not Path(request.source).is_dir():
+        read_bytes(request.source)  # what is wrong with it is told once, not for every photo
     work = Work(request, settings, how["overwrite"], how["skip_existing"])
     failed = _many(tasks, work, how)
     if failed:
@@ -100,7 +103,9 @@ def _workers(
 ) -> Generator[Iterable[Outcome]]:
     """The outcomes, from a cluster, from processes, or from this process."""
     if how["scheduler"]:
-        with _dask_client(how["scheduler"]) as client:
+        from plumbline.imaging.workers import dask_client
+
+        with dask_client(how["scheduler"]) as client:
             absolute = [Task(task.photo.absolute(), task.target.absolute()) for task in tasks]
             pool = client.get_executor(pure=False)
             yield run(absolute, replace(work, threads=1), pool)
@@ -109,30 +114,9 @@ def _workers(
     if jobs <= 1:
         yield run(tasks, work, None)
     else:
-        yield run_in_processes(tasks, replace(work, threads=1), _processes, jobs)
+        from plumbline.imaging.workers import processes
 
-
-def _processes(jobs: int) -> Executor:
-    from concurrent.futures import ProcessPoolExecutor
-    from multiprocessing import get_context
-
-    return ProcessPoolExecutor(jobs, mp_context=get_context("spawn"))
-
-
-def _dask_client(address: str) -> Any:
-    try:
-        from distributed import Client
-    except ImportError:
-        raise OptionError(
-            "--scheduler needs Dask", hint="install it: pip install 'plumbline-lens[dask]'"
-        ) from None
-    try:
-        return Client(address, timeout=10)
-    except (OSError, ValueError) as error:
-        raise OptionError(
-            f"the scheduler {address} does not answer: {error}",
-            hint="give the address that `dask scheduler` prints, as tcp://host:8786",
-        ) from None
+        yield run_in_processes(tasks, replace(work, threads=1), processes, jobs)
 
 
 def _with_progress(results: Iterable[Outcome], total: int) -> Iterator[Outcome]:
@@ -205,9 +189,9 @@ def sampling_map(photo: str, target: str, request: LensRequest, how: Mapping[str
     refuse_to_clobber(Path(target), [photo], overwrite=how["overwrite"])
     facts = read_photo(photo)
     found = correction_for(facts.taken_as_corrected() if how["inverse"] else facts, request)
-    content = map_bytes(found, target, scale=how["scale"], inverse=how["inverse"])
+    content, notes = map_bytes(found, target, scale=how["scale"], inverse=how["inverse"])
     write_atomically({Path(target): content})
-    for note in found.notes:
+    for note in (*found.notes, *notes):
         click.echo(f"Note: {printable(note)}.", err=True)
     if not how["quiet"]:
         click.echo(f"Wrote {printable(target)}, used: {printable(found.description)}")

@@ -12,17 +12,21 @@ from plumbline.cli import options
 if TYPE_CHECKING:
     from plumbline.lenses.export_files import ExportedFile
 
-_TARGETS = (
-    "lensfun",
-    "lenses-txt",
-    "pto",
-    "hugin-ini",
-    "ptlens",
-    "imagemagick",
-    "opencv",
-    "stmap",
-    "json",
-)
+_FOCAL = {"focal", "focal_px", "crop_factor"}
+_LABELS = {*_FOCAL, "maker", "lens_name", "mount", "aspect_ratio"}
+_USED = {
+    "lensfun": _LABELS,
+    "lenses-txt": _LABELS,
+    "pto": _FOCAL,
+    "hugin-ini": _FOCAL,
+    "ptlens": {*_FOCAL, "lens_name"},
+    "imagemagick": set[str](),
+    "opencv": _FOCAL,
+    "stmap": set[str](),
+    "json": set[str](),
+}
+"""What can be written, and which facts about the lens go into it."""
+_USELESS = {"stmap": {"force"}, "json": {"force", "image"}}
 
 _HELP = """Write a calibrated lens for another program.
 
@@ -41,7 +45,7 @@ Examples:
 
 @click.command("export", help=_HELP, short_help="Write a calibrated lens for another program.")
 @click.argument("result")
-@click.option("--to", "target", type=click.Choice(_TARGETS), required=True, help="What to write.")
+@click.option("--to", "target", type=click.Choice([*_USED]), required=True, help="What to write.")
 @click.option(
     "--image",
     type=click.IntRange(min=0),
@@ -66,6 +70,8 @@ def command(
     from plumbline.files import refuse_to_clobber, write_atomically
     from plumbline.lenses.export_files import export_file
 
+    useless = (_LABELS - _USED[target]) | _USELESS.get(target, set())
+    options.refuse_useless(click.get_current_context(), f"--to {target}", useless)
     names = {"lens_name": "model", "focal": "focal_mm"}
     facts = {names.get(name, name): value for name, value in labels.items() if value is not None}
     place = Path(output) if output else None
@@ -96,4 +102,5 @@ def _stmap(result: str, output: Path | None, image: int | None) -> ExportedFile:
     path = output or Path(result).with_suffix(".stmap.tif")
     lens = stored.lens
     correction = Correction(lens.distort, lens.undistort, lens.frame.size, "")
-    return ExportedFile(path, map_bytes(correction, path), notes=stored.notes)
+    content, notes = map_bytes(correction, path)
+    return ExportedFile(path, content, notes=(*stored.notes, *notes))

@@ -37,15 +37,18 @@ def command(photos: tuple[str, ...], overwrite: bool, **how: Any) -> None:
     """Look up and print, or add."""
     from plumbline.errors import printable
 
+    context = click.get_current_context()
     if photos == ("add",):
         raise click.UsageError("name a result to add: plumbline lens add RESULT")
     if photos[0] == "add":
+        options.refuse_useless(context, "lens add", how)
         from plumbline.lenses.store import add
 
         for path in photos[1:]:
             added = add(path, overwrite=overwrite)
             click.echo(f"Wrote {printable(str(added))}")
         return
+    options.refuse_useless(context, "lens PHOTO", ["overwrite"])
     from plumbline.lenses.exif import read_photo
     from plumbline.lenses.lookup import look_up
     from plumbline.lenses.profile import correction

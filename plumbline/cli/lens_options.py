@@ -22,7 +22,7 @@ choosing = stacked(
         "--ptlens",
         type=Start(),
         metavar="VALUES",
-        help="Take these coefficients, as a=0,b=-0.02,c=0.",
+        help="Take these coefficients, as a=0,b=-0.02,c=0; d and e in the stored photo's pixels.",
     ),
     click.option("--camera", metavar="NAME", help="Maker and model, where EXIF is silent."),
     click.option("--lens-name", metavar="NAME", help="Name of the lens, to choose among several."),

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
+from click.core import ParameterSource
 
 _F = TypeVar("_F", bound=Callable[..., Any])
 
@@ -121,6 +122,20 @@ class Ratio(Positive):
         over, colon, under = str(value).partition(":")
         first = super().convert(over, param, ctx)
         return first / super().convert(under, param, ctx) if colon else first
+
+
+def refuse_useless(context: click.Context, what: str, useless: Iterable[str]) -> None:
+    """Refuse options that were given and would be ignored.
+
+    Args:
+        context: The running command's.
+        what: What has no use for them.
+        useless: Their names as parameters of the command.
+    """
+    for parameter in context.command.params:
+        given = context.get_parameter_source(parameter.name or "") is ParameterSource.COMMANDLINE
+        if given and parameter.name in set(useless):
+            raise click.UsageError(f"{what} has no use for {parameter.opts[0]}; leave it out")
 
 
 def stacked(*options: Callable[[_F], _F]) -> Callable[[_F], _F]:

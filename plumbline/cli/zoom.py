@@ -64,6 +64,8 @@ def command(
     **labels: Any,
 ) -> None:
     """Read, join, print, write."""
+    if method != "polynomial":
+        options.refuse_useless(click.get_current_context(), f"--method {method}", ["degree"])
     from rich.console import Console
 
     from plumbline.errors import printable

@@ -23,7 +23,7 @@ import csv
 import io
 import re
 from array import array
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import chain
 
@@ -106,6 +106,8 @@ def recognises(source: Source) -> bool:
 def write_csv(observations: Observations) -> str:
     """The points as a table that `read` takes back exactly.
 
+    Points of a table of this format come out in its order, those of other files line by line.
+
     Args:
         observations: Whatever was read. Labels are written as one line each and numbered
             where two are the same.
@@ -118,15 +120,27 @@ def write_csv(observations: Observations) -> str:
     several = len(photos) > 1
     text = io.StringIO(newline="")
     writer = csv.writer(text, lineterminator="\n")
+    # A quoted field keeps a name that starts with # from reading as a comment.
+    quoting = csv.writer(text, lineterminator="\n", quoting=csv.QUOTE_NONNUMERIC)
     writer.writerow(["line", "x", "y", "photo"] if several else ["line", "x", "y"])
+    records: list[list[str | float]] = []
     for line in observations.lines:
         label = labels(line.label, line.photo)
-        # A quoted field keeps a name that starts with # from reading as a comment.
-        quoting = csv.QUOTE_NONNUMERIC if label.startswith("#") else csv.QUOTE_MINIMAL
-        rows = csv.writer(text, lineterminator="\n", quoting=quoting)
         last = [photos[line.photo]] if several else []
-        rows.writerows([label, x, y, *last] for x, y in line.points_px.tolist())
+        records += ([label, x, y, *last] for x, y in line.points_px.tolist())
+    for index in _order(observations):
+        record = records[index]
+        (quoting if str(record[0]).startswith("#") else writer).writerow(record)
     return text.getvalue()
+
+
+def _order(observations: Observations) -> Iterable[int]:
+    """The order of all lines' points in the table that they come from."""
+    rows = [line.rows for line in observations.lines if line.rows is not None]
+    of_table = [origin.format for origin in observations.origins] == [FORMAT.name]
+    if not of_table or len(rows) < len(observations.lines):
+        return range(observations.n_points)
+    return np.argsort(np.concatenate(rows), kind="stable").tolist()
 
 
 def _columns(source: Source, cells: list[str], line: int) -> _Columns:

@@ -111,6 +111,9 @@ def _fitting(picture: Picture, name: str, note: str) -> tuple[Metadata, list[str
     metadata, notes = picture.metadata, list[str]()
     if name != picture.storage.format:
         metadata = replace(metadata, records=())
+    if name == "JPEG" and not metadata.records and len(metadata.xmp) > jpeg.MOST_OF_XMP:
+        metadata = replace(metadata, xmp=b"")
+        notes.append("XMP is too long for JPEG and was not kept")
     if name == "TIFF":
         if metadata.exif and tiff.has_maker_notes(metadata.exif):
             notes.append(MAKER_NOTES_LOST)

@@ -3,20 +3,26 @@
 `.tif`: an ST map as compositing programs have it: 32-bit floats, red the observed x as a share
 of the width, green the observed y as a share of the height from the bottom, both counted from
 the picture's edge; blue is 0. `.npz`: `observed_px`, shape (rows, columns, 2), in pixels with
-(0, 0) the centre of the top-left pixel; NaN where the photograph shows nothing.
+(0, 0) the centre of the top-left pixel; NaN where the photograph shows nothing. Both end in
+plumbline's mark: TIFF's Software, and the comment of the zip file that an `.npz` is.
 """
 
 from __future__ import annotations
 
 import io
+import zipfile
 from pathlib import Path
 
 import cv2
 import numpy as np
 
+from plumbline._version import __version__
 from plumbline.errors import OptionError
-from plumbline.imaging.maps import NOWHERE
-from plumbline.imaging.sampling import sampling_of
+from plumbline.files import MARK
+from plumbline.imaging.containers import tiff
+from plumbline.imaging.containers.metadata import Metadata
+from plumbline.imaging.maps import NOWHERE, SamplingMap
+from plumbline.imaging.sampling import fold_notes, sampling_of
 from plumbline.imaging.view import Scale
 from plumbline.lenses.correction import Correction
 
@@ -25,7 +31,7 @@ SUFFIXES = (".tif", ".tiff", ".npz")
 
 def map_bytes(
     correction: Correction, target: str | Path, *, scale: Scale = "keep", inverse: bool = False
-) -> bytes:
+) -> tuple[bytes, tuple[str, ...]]:
     """The file that holds the map of the upright picture, ideal pixels to observed ones.
 
     Args:
@@ -33,6 +39,9 @@ def map_bytes(
         target: The file it is for, whose suffix says in which form.
         scale: As for `correct`.
         inverse: The map of observed pixels to ideal ones.
+
+    Returns:
+        The file, and what the user should know, in plain sentences.
 
     Raises:
         OptionError: the suffix stands for no map, or the lens folds.
@@ -44,15 +53,25 @@ def map_bytes(
             hint=f"use one of {', '.join(SUFFIXES)}",
         )
     sampling = sampling_of(correction, scale=scale, inverse=inverse)
+    content = _npz(sampling) if suffix == ".npz" else _stmap(sampling)
+    return content, fold_notes(sampling)
+
+
+def _npz(sampling: SamplingMap) -> bytes:
     width, height = sampling.size
-    if suffix == ".npz":
-        observed = np.empty((height, width, 2), dtype=np.float32)
-        for tile in sampling.tiles():
-            observed[tile] = np.stack(sampling.coordinates(tile), axis=-1)
-        observed[observed[..., 0] == NOWHERE] = np.nan
-        buffer = io.BytesIO()
-        np.savez_compressed(buffer, observed_px=observed)
-        return buffer.getvalue()
+    observed = np.empty((height, width, 2), dtype=np.float32)
+    for tile in sampling.tiles():
+        observed[tile] = np.stack(sampling.coordinates(tile), axis=-1)
+    observed[observed[..., 0] == NOWHERE] = np.nan
+    buffer = io.BytesIO()
+    np.savez_compressed(buffer, observed_px=observed)
+    with zipfile.ZipFile(buffer, "a") as file:
+        file.comment = f"{MARK} {__version__}".encode()
+    return buffer.getvalue()
+
+
+def _stmap(sampling: SamplingMap) -> bytes:
+    width, height = sampling.size
     stmap = np.zeros((height, width, 3), dtype=np.float32)
     for tile in sampling.tiles():
         x, y = sampling.coordinates(tile)
@@ -61,4 +80,4 @@ def map_bytes(
     done, data = cv2.imencode(".tif", stmap)
     if not done:
         raise OptionError("the map is too large for a TIFF", hint="name a .npz with --map")
-    return data.tobytes()
+    return tiff.with_metadata(data.tobytes(), Metadata(), f"{MARK} {__version__}", alpha=False)

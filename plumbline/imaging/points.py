@@ -37,6 +37,8 @@ def read_points(
     except ReadError as error:
         if photo is None and size is None and "size" in error.message:
             error.hint = "name the photo too, or give its size with --size WIDTHxHEIGHT"
+        elif "--format" in error.hint or "--grid" in error.hint:
+            error.hint += ": plumbline convert takes that, and makes a CSV of the points"
         raise
 
 

@@ -78,6 +78,11 @@ def plan(
         tasks = [Task(photo, beside(photo, result)) for photo, _ in found]
     elif _is_folder(output):
         tasks = [Task(photo, Path(output) / beside(place, suffix or "")) for photo, place in found]
+    elif suffix is not None:
+        raise OptionError(
+            f"{output} is the whole name of a file, and the suffix {suffix} has no place in it",
+            hint="leave out --suffix, or name a folder with -o",
+        )
     elif len(found) == 1:
         tasks = [Task(found[0][0], Path(output))]
     else:

@@ -20,6 +20,7 @@ _FOCAL, _FOCAL_35MM, _LENS_MAKE, _LENS_MODEL = 0x920A, 0xA405, 0xA433, 0xA434
 _WIDTH, _X_RESOLUTION, _Y_RESOLUTION, _UNIT = 0xA002, 0xA20E, 0xA20F, 0xA210
 _HEIGHT = 0xA003
 _SOFTWARE, _PROCESSING, _HISTORY = 0x0131, 0x000B, 0x9213
+_DIGITAL_ZOOM = 0xA404
 _MAKER_NOTES, _LENS_SPECIFICATION = 0x927C, 0xA432
 _PROFILE = re.compile(rb"LensProfileEnable\s*(?:=\s*[\"']|>)\s*1\b")
 _LENS_INFO = re.compile(rb"LensInfo\s*(?:=\s*[\"']|>)\s*(\d{1,9})/(\d{1,9}) (\d{1,9})/(\d{1,9})")
@@ -46,6 +47,7 @@ class PhotoFacts:
         lens_range_mm: Shortest and longest focal length of the lens, if EXIF or XMP tell it.
         history: What programs wrote of themselves, joined; may be empty.
         profile_applied: Whether XMP says that a lens profile was applied in developing.
+        digital_zoom: By how much the camera enlarged the middle of what it saw; None if it did not.
         in_camera: What tells that the camera itself corrected the distortion; else empty.
     """
 
@@ -60,6 +62,7 @@ class PhotoFacts:
     lens_range_mm: tuple[float, float] | None = None
     history: str = ""
     profile_applied: bool = False
+    digital_zoom: float | None = None
     in_camera: str = ""
 
     @property
@@ -73,15 +76,19 @@ class PhotoFacts:
         return replace(self, history="", profile_applied=False, in_camera="")
 
 
-def read_photo(path: str | Path) -> PhotoFacts:
+def read_photo(path: str | Path, *, remedy: str = "") -> PhotoFacts:
     """Read the header of a photograph; its pixels are not decoded.
+
+    Args:
+        path: The file.
+        remedy: What else the user can do where it is none.
 
     Raises:
         ReadError: the file is missing or no picture that Pillow knows.
     """
     from PIL import Image, UnidentifiedImageError
 
-    hint = "give a JPEG, TIFF, PNG or WebP, or the size alone with --size WIDTHxHEIGHT"
+    hint = f"give a JPEG, TIFF, PNG or WebP{remedy}"
     try:
         if not Path(path).is_file() and Path(path).exists():
             raise ReadError("this is no file", path=path, hint=hint)
@@ -132,6 +139,7 @@ def read_photo(path: str | Path) -> PhotoFacts:
             filter(None, (_text(tags, t) for t in (_SOFTWARE, _PROCESSING, _HISTORY)))
         ),
         profile_applied=isinstance(packet, bytes) and _PROFILE.search(packet) is not None,
+        digital_zoom=_digital_zoom(tags),
         in_camera=corrected_in_camera(notes_of_maker) if isinstance(notes_of_maker, bytes) else "",
     )
 
@@ -154,6 +162,11 @@ def _is_float_tiff(path: str | Path) -> bool:
 def _exif_size(tags: dict[int, Any]) -> tuple[int, int] | None:
     width, height = _positive(tags, _WIDTH), _positive(tags, _HEIGHT)
     return (int(width), int(height)) if width and height else None
+
+
+def _digital_zoom(tags: dict[int, Any]) -> float | None:
+    ratio = _positive(tags, _DIGITAL_ZOOM)
+    return ratio if ratio and 1 < ratio < 100 else None
 
 
 def _lens_range(tags: dict[int, Any], packet: bytes) -> tuple[float, float] | None:

@@ -12,6 +12,8 @@ from plumbline.frame import Array, Frame
 from plumbline.models import Model
 from plumbline.models.inverse import REACH, invert
 
+_LOOKED_AT = 33  # points along a side
+
 Turn = tuple[tuple[int, int], tuple[int, int]]
 
 UPRIGHT: Turn = ((1, 0), (0, 1))
@@ -66,6 +68,19 @@ class PhotoLens:
             FoldedError: the polynomial folds before it reaches a point.
         """
         return self._map(observed_px, self.observed_centre, self.ideal_centre, "observed to ideal")
+
+    def largest_difference_px(self, other: PhotoLens) -> float:
+        """How far two lenses differ over the photograph, but for a shift of the corrected one.
+
+        It is infinite where one of them folds inside.
+        """
+        columns, rows = (np.linspace(0, side - 1, _LOOKED_AT) for side in self.frame.size)
+        observed = np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2)
+        try:
+            apart = self.undistort(observed) - other.undistort(observed)
+        except FoldedError:
+            return np.inf
+        return float(np.max(np.hypot(*(apart - np.mean(apart, axis=0)).T)))
 
     def _map(
         self,

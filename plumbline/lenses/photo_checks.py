@@ -57,12 +57,12 @@ def whole_size(
     """
     if request.full_size is not None:
         return _given_size(photo.size, request.full_size, notes)
+    if request.crop_factor is not None:
+        return photo.size
+    if photo.digital_zoom is not None:
+        notes.append(_digital_zoom_note(photo.size, photo.digital_zoom))
     told = photo.exif_size
-    if (
-        request.crop_factor is not None
-        or told is None
-        or photo.size in (told, told[::-1], calibrated_size)
-    ):
+    if told is None or photo.size in (told, told[::-1], calibrated_size):
         return photo.size
     width, height = photo.size
     if abs(shape(told) / shape(photo.size) - 1) <= max(_MERELY_RESIZED, 1 / min(photo.size)):
@@ -76,6 +76,14 @@ def whole_size(
         "it was cropped, and what part of the lens it shows is not known",
         hint="give the size of the whole picture at the photo's scale with --full-size WxH (of the "
         "photo itself if it is whole), or the crop factor of what is left with --crop-factor",
+    )
+
+
+def _digital_zoom_note(size: tuple[int, int], ratio: float) -> str:
+    width, height = (round(side * ratio) for side in size)
+    return (
+        f"the photo was taken with a digital zoom of {ratio:.4g} and shows the middle of the "
+        f"picture: if the lens was calibrated without, give --full-size {width}x{height}"
     )
 
 

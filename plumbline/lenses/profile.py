@@ -27,6 +27,7 @@ from plumbline.models import Model
 _SAME_SHAPE = 0.02
 _FAR = 0.1
 _NEAR = 0.005
+_VISIBLE_PX = 0.1
 
 
 @dataclass(frozen=True)
@@ -39,13 +40,15 @@ class LensProfile:
         coefficients: Those of the model, in its order.
         unit: Length of a normalised radius of 1, as a share of the picture's diagonal.
         size: Width and height in pixels of the picture it was calibrated in, if known.
-        aspect: Width over height of that picture; None if its shape does not matter.
+        aspect: Width over height of that picture; None if the lens is for the photo as it is
+            stored, whatever its shape.
         observed_centre: Offset of the distortion centre in units of `unit`, observed side.
         ideal_centre: The same on the ideal side.
         camera: The camera it was calibrated with; may be empty.
         crop_factor: Of that camera.
         photo_crop: Crop factor of the photo's camera, where the source knows it.
         pixel_aspect: Width of one pixel over its height.
+        photos: Names of the pictures it was calibrated in, in small letters, without folders.
         notes: What to warn of, in plain sentences.
     """
 
@@ -61,6 +64,7 @@ class LensProfile:
     crop_factor: float | None = None
     photo_crop: float | None = None
     pixel_aspect: float = 1.0
+    photos: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
 
     def with_notes(self, *notes: str) -> LensProfile:
@@ -85,6 +89,7 @@ def correction(profile: LensProfile, photo: PhotoFacts, request: LensRequest) ->
     diagonal_px = float(np.hypot(*Frame(*whole, profile.pixel_aspect).square_size))
     _check_shape(profile, whole, request, notes)
     unit_px = profile.unit * diagonal_px * _crop_ratio(profile, photo, request, notes)
+    turn, otherwise = _turns(profile, photo)
     mapped = PhotoLens(
         frame,
         profile.model,
@@ -92,8 +97,10 @@ def correction(profile: LensProfile, photo: PhotoFacts, request: LensRequest) ->
         unit_px,
         profile.observed_centre,
         profile.ideal_centre,
-        _turn(profile, photo, notes),
+        turn,
     )
+    if otherwise is not None:
+        notes += _unknown_turn(mapped, replace(mapped, turn=otherwise))
     return Correction(
         mapped.distort,
         mapped.undistort,
@@ -176,7 +183,7 @@ def _crop_ratio(
     """Crop factor of the photo over that of the calibration."""
     if request.crop_factor is not None and profile.crop_factor is None:
         raise OptionError(
-            f"{profile.description} tells no crop factor that --crop-factor could be compared with",
+            f"--crop-factor cannot be compared: no crop factor is told by {profile.description}",
             hint="leave --crop-factor out, or give --full-size WxH",
         )
     given = request.crop_factor or profile.photo_crop
@@ -198,23 +205,30 @@ def _crop_ratio(
     return 1.0
 
 
-def _turn(profile: LensProfile, photo: PhotoFacts, notes: list[str]) -> Turn:
-    """How the calibration's picture lies in the displayed photo."""
+def _turns(profile: LensProfile, photo: PhotoFacts) -> tuple[Turn, Turn | None]:
+    """How the calibration's picture lies in the displayed photo, and how else it may lie."""
     round_about_the_middle = not (
         any(profile.observed_centre) or any(profile.ideal_centre) or profile.model.tangential
     )
     if round_about_the_middle:
-        return UPRIGHT
-    wide = photo.size[0] >= photo.size[1]
-    was_wide = profile.aspect is None or profile.aspect >= 1
-    if wide == was_wide and not photo.turned:
-        return TURNS[photo.orientation]
-    if not was_wide and not wide:
-        return UPRIGHT
-    if photo.turned and was_wide:
-        return TURNS[photo.orientation]
-    notes.append(
-        "the photo stands the other way than the calibration's, and EXIF does not tell which side "
-        "was up: its distortion centre is taken as turned clockwise"
-    )
-    return TURNS[6]
+        return UPRIGHT, None
+    wide, was_wide = photo.size[0] >= photo.size[1], profile.aspect is None or profile.aspect >= 1
+    if wide == was_wide and photo.name.casefold() in profile.photos:
+        return UPRIGHT, None
+    if profile.aspect is None or (was_wide and wide != photo.turned):
+        return TURNS[photo.orientation], None
+    # EXIF does not tell to which side the camera was turned, for the one photo or the other.
+    return (UPRIGHT, TURNS[3]) if wide == was_wide else (TURNS[6], TURNS[8])
+
+
+def _unknown_turn(taken: PhotoLens, otherwise: PhotoLens) -> list[str]:
+    """What it means that the camera was perhaps turned to the other side."""
+    off_px = taken.largest_difference_px(otherwise)
+    if off_px < _VISIBLE_PX:
+        return []
+    how = "as turned clockwise" if taken.turn == TURNS[6] else "where it was calibrated"
+    told = f": up to {off_px:.1f} px off if it was the other" if np.isfinite(off_px) else ""
+    return [
+        "which side was up where the camera was turned is not known, and the distortion "
+        f"centre was taken {how}{told}"
+    ]

@@ -12,7 +12,8 @@ class LensRequest:
 
     Attributes:
         source: A file or folder that holds the lens.
-        ptlens: Coefficients `a`, `b`, `c` (and `d`, `e` in pixels) given outright.
+        ptlens: Coefficients `a`, `b`, `c` (and `d`, `e` in pixels of the photo as it is stored)
+            given outright.
         camera: Maker and model of the camera, where EXIF is silent.
         lens_name: Name of the lens.
         like: A comparable camera whose lens is taken instead.

@@ -8,7 +8,7 @@ from pathlib import Path, PurePosixPath
 
 import numpy as np
 
-from plumbline.errors import OptionError, printable
+from plumbline.errors import OptionError, ReadError, printable
 from plumbline.facts import LensFacts
 from plumbline.files import ZOOM, read_bytes
 from plumbline.formats.base import Source
@@ -23,6 +23,7 @@ from plumbline.models import CENTRE, get_model
 from plumbline.wording import listed
 
 _LARGEST = 100.0
+_DATABASES = "a LensFun XML file or folder, a PTLens profile, a zoom JSON"
 
 Found = tuple[LensProfile, tuple[Candidate, ...]]
 
@@ -52,7 +53,11 @@ def find_in_file(photo: PhotoFacts, request: LensRequest) -> Found:
         )
     if head.startswith("{") and f'"{ZOOM}"' in head[:1024]:
         return zoom_json.read_zoom(source).profile(photo, request), ()
-    return _profile(stored_files.stored_lenses(source), path, photo, request), ()
+    try:
+        return _profile(stored_files.stored_lenses(source), path, photo, request), ()
+    except ReadError as error:
+        error.hint = error.hint.replace(stored_files.KINDS, f"{_DATABASES}, {stored_files.KINDS}")
+        raise
 
 
 def profile_of(stored: StoredLens, description: str) -> LensProfile:
@@ -73,6 +78,7 @@ def profile_of(stored: StoredLens, description: str) -> LensProfile:
         camera=facts.camera,
         crop_factor=facts.crop_factor,
         pixel_aspect=lens.frame.pixel_aspect,
+        photos=tuple(_base(name).casefold() for name in stored.photos),
         notes=stored.notes,
     )
 
@@ -146,7 +152,8 @@ def given_outright(photo: PhotoFacts, request: LensRequest) -> LensProfile:
     if wrong:
         raise OptionError(
             f"{', '.join(wrong)} is no coefficient of the ptlens model",
-            hint="give them as --ptlens a=0,b=-0.02,c=0; d and e, the centre, are in pixels",
+            hint="give them as --ptlens a=0,b=-0.02,c=0; d and e, the centre, are in pixels of the "
+            "photo as it is stored",
         )
     if any(abs(given.get(name, 0.0)) > _LARGEST for name in ("a", "b", "c")):
         raise OptionError(

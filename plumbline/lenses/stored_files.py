@@ -20,10 +20,7 @@ from plumbline.models import CENTRE, get_model
 from plumbline.observations import MAX_SIDE
 from plumbline.result_reading import from_json
 
-_KINDS = (
-    "a result JSON, a zoom JSON, a Hugin or PTGui project, a LensFun XML file or folder, a PTLens "
-    "profile, or a Hugin lens .ini"
-)
+KINDS = "a result JSON, a Hugin or PTGui project, or a Hugin lens .ini"
 
 
 def stored_lenses(source: Source) -> tuple[StoredLens, ...]:
@@ -42,8 +39,7 @@ def stored_lenses(source: Source) -> tuple[StoredLens, ...]:
         return _of_images(source, pto.read_images(source))
     if source.suffix == ".ini" or "[lens]" in head.casefold():
         return (_of_ini(source),)
-    source.text()
-    raise source.error("this file holds no lens that is known here", hint=f"name {_KINDS}")
+    raise source.error("this file holds no lens that is known here", hint=f"name {KINDS}")
 
 
 def _of_images(source: Source, images: Sequence[ImageRecord]) -> tuple[StoredLens, ...]:

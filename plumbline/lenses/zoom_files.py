@@ -12,7 +12,7 @@ import numpy as np
 from plumbline._version import __version__
 from plumbline.calibration import Calibration, refuse_unsettled
 from plumbline.errors import OptionError, UnsupportedModelError, WriteError
-from plumbline.files import MARK, ZOOM, read_bytes
+from plumbline.files import MARK, RESULT, ZOOM, read_bytes
 from plumbline.formats.base import Source
 from plumbline.formats.lenses_txt import lenses_txt
 from plumbline.formats.lensfun import MODELS, Distortion, LensfunLens, lensfun_xml
@@ -49,6 +49,11 @@ def read_zoom_lens(
         if f'"{ZOOM}"' in source.head[:1024]:
             raise source.error(
                 "this is a zoom lens already", hint="name the results that it was made from"
+            )
+        if f'"{RESULT}"' not in source.head[:1024]:
+            raise source.error(
+                "this is no calibration written by plumbline",
+                hint="write one with plumbline fit POINTS -o result.json",
             )
         calibrations += [(path, made) for made in from_json(source.text(), path)]
     refuse_unsettled([made for _, made in calibrations])

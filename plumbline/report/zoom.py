@@ -13,6 +13,7 @@ from plumbline.models import CENTRE
 from plumbline.wording import count
 
 _MOST_NEEDED = 2
+_LABEL, _CELL, _WIDE = 24, 24, 200  # characters
 
 
 def print_zoom(console: Console, lens: ZoomLens) -> None:
@@ -24,20 +25,25 @@ def print_zoom(console: Console, lens: ZoomLens) -> None:
         f"[bold]{count(n, 'calibration')} at {count(len(lens.nodes), 'focal length')}, {span}[/]",
         highlight=False,
     )
-    console.print(zoom_table(lens))
+    console.print(zoom_table(lens, console.width))
     for sentence in (*_scatter(lens), *_curves(lens), *_needed(lens)):
         console.print(f"• {sentence}", highlight=False, soft_wrap=True, markup=False)
 
 
-def zoom_table(lens: ZoomLens) -> Table:
-    """Coefficients with their standard errors at the calibrated focal lengths."""
+def zoom_table(lens: ZoomLens, width: int = _WIDE) -> Table:
+    """Coefficients with their standard errors at the calibrated focal lengths.
+
+    Where the width in characters does not take them beside the values, they stand below.
+    """
     radius_px = Frame(*lens.size, lens.pixel_aspect).radius_px
-    table = Table(box=box.SIMPLE, pad_edge=False)
-    table.add_column("focal length", justify="right", style="bold")
-    table.add_column("fits", justify="right")
     shown = [name for name in lens.names if name in lens.free or name in lens.model.coefficients]
+    beside = _LABEL + _CELL * len(shown) <= width
+    between, heading = (" ", " ± std. error") if beside else ("\n", "\n± error")
+    table = Table(box=box.SIMPLE, pad_edge=False, padding=(0, 1 if beside else 0))
+    table.add_column("focal length" if beside else "focal\nlength", justify="right", style="bold")
+    table.add_column("fits", justify="right")
     for name in shown:
-        table.add_column(f"{name} ± std. error", justify="right")
+        table.add_column(name + heading, justify="right", no_wrap=True)
     for node in lens.nodes:
         cells = [f"{node.focal_mm:g} mm", str(len(node.sources))]
         for name in shown:
@@ -45,7 +51,7 @@ def zoom_table(lens: ZoomLens) -> Table:
             scale, digits, unit = (radius_px, 2, " px") if name in CENTRE else (1.0, 6, "")
             value, error = node.values[index] * scale, node.errors[index] * scale
             held = "held" if name not in lens.free else f"± {error:.{digits}f}{unit}"
-            cells.append(f"{value:.{digits}f}{unit} {held}")
+            cells.append(f"{value:.{digits}f}{unit}{between}{held}")
         table.add_row(*cells)
     return table
 
@@ -74,14 +80,16 @@ def _scatter(lens: ZoomLens) -> list[str]:
 def _curves(lens: ZoomLens) -> list[str]:
     if lens.method != "polynomial":
         return []
-    return [
-        f"{name}(f) = "
-        + " ".join(
-            f"{value:+.9f}" + ("" if power == 0 else " f" if power == 1 else f" f^{power}")
+    radius_px = Frame(*lens.size, lens.pixel_aspect).radius_px
+    sentences: list[str] = []
+    for name, values in lens.polynomials().items():
+        scale, unit = (radius_px, ", in pixels") if name in CENTRE else (1.0, "")
+        terms = [
+            f"{value * scale:+.7g}" + ("" if power == 0 else " f" if power == 1 else f" f^{power}")
             for value, power in zip(values, range(lens.degree, -1, -1), strict=True)
-        )
-        for name, values in lens.polynomials().items()
-    ]
+        ]
+        sentences.append(f"{name}(f) = {' '.join(terms)}{unit}")
+    return sentences
 
 
 def _needed(lens: ZoomLens) -> list[str]:

@@ -29,6 +29,8 @@ IMPORTS = (
     "import plumbline.cli.correct, plumbline.cli.correcting, plumbline.lenses.lookup, "
     "plumbline.lenses.sources, plumbline.lenses.profile"
 )
+ENVIRONMENT = os.environ | {"PYTHONPATH": str(ROOT)}
+ENVIRONMENT.pop("PYTHONDONTWRITEBYTECODE", None)  # an installed program is compiled already
 PAINT = f"""
 import cv2, numpy as np
 rng = np.random.default_rng(0)
@@ -58,16 +60,18 @@ class Run:
     peak_mb: float
 
 
-def run(command: Sequence[str], folder: Path) -> Run:
-    """Run a program that must succeed."""
+def run(command: Sequence[str], folder: Path, cores: set[int] | None = None) -> Run:
+    """Run a program that must succeed, perhaps on some of the processor's cores alone."""
     started = time.perf_counter()
     process = subprocess.Popen(
         command,
         cwd=folder,
-        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        env=ENVIRONMENT,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
     )
+    if cores is not None:
+        os.sched_setaffinity(process.pid, cores)
     _, status, usage = os.wait4(process.pid, 0)
     wall_s = time.perf_counter() - started
     process.returncode = os.waitstatus_to_exitcode(status)
@@ -116,31 +120,38 @@ def compare(folder: Path, runs: int) -> None:
         print(f"{name:22} {each.wall_s:7.2f} {each.cpu_s:7.2f} {each.peak_mb:6.0f} {own}{shares}")
 
 
-def scale(folder: Path, photos: int) -> None:
-    """Print how a folder of photographs scales with processes."""
+def scale(folder: Path, photos: int, runs: int) -> None:
+    """Print how a folder of photographs scales from one core to all."""
     many = folder / "many"
     many.mkdir()
     for number in range(photos):
         (many / f"{number}.jpg").hardlink_to(folder / "photo.jpg")
-    for jobs in (1, 2):
-        command = (sys.executable, "-m", "plumbline", "correct", "many", *PTLENS)
-        each = run((*command, "-o", f"out{jobs}", "--jobs", str(jobs)), folder)
-        rate = photos / each.wall_s
-        print(f"{photos} photos, --jobs {jobs}: {each.wall_s:.2f} s wall, {rate:.2f}/s")
+    everywhere = os.sched_getaffinity(0)
+    places = {"one core": {min(everywhere)}, f"{len(everywhere)} cores": everywhere}
+    found = {name: list[Run]() for name in places}
+    for _ in range(runs):
+        for name, cores in places.items():
+            shutil.rmtree(folder / "out", ignore_errors=True)
+            command = (sys.executable, "-m", "plumbline", "correct", "many", *PTLENS, "-o", "out")
+            found[name].append(run(command, folder, cores))
+    one_s, all_s = (best(each).wall_s for each in found.values())
+    for name, wall_s in zip(places, (one_s, all_s), strict=True):
+        print(f"{photos} photos, {name}: {wall_s:.2f} s wall, {photos / wall_s:.2f}/s")
+    print(f"{one_s / all_s:.2f} times as many on {len(everywhere)} cores as on one")
 
 
 def main() -> None:
     """Parse, paint, run, print."""
     parser = argparse.ArgumentParser(description="Time and memory of correcting a photograph.")
     parser.add_argument("--runs", type=int, default=5)
-    parser.add_argument("--photos", type=int, default=12)
+    parser.add_argument("--photos", type=int, default=36)
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         subprocess.run([sys.executable, "-c", PAINT], cwd=folder, check=True)
         (folder / "photo.pto").write_text(PROJECT)
         compare(folder, options.runs)
-        scale(folder, options.photos)
+        scale(folder, options.photos, options.runs)
 
 
 if __name__ == "__main__":

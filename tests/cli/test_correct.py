@@ -50,6 +50,22 @@ def photo(path: Path, seed: int = 0) -> Path:
     return path
 
 
+def test_a_remedy_is_one(tmp_path: Path) -> None:
+    """--size goes with points, not with photographs."""
+    assert "--size" not in plumb(tmp_path, "correct", "missing.jpg", status=1).stderr
+    (tmp_path / "p.csv").write_text("1,2\n")
+    (tmp_path / "p.bin").write_bytes(bytes(range(256)))
+    arguments = ("correct", "--points", "p.bin", "--size", "9x9", *PTLENS)
+    assert "--format: plumbline convert takes that" in plumb(tmp_path, *arguments, status=1).stderr
+    photo(tmp_path / "a.jpg")
+    done = plumb(tmp_path, "correct", "a.jpg", "--lens", "p.bin", status=1)
+    assert "p.bin: this file holds no lens that is known here" in done.stderr
+    assert "a PTLens profile, a zoom JSON, a result JSON" in done.stderr
+    assert "--format" not in done.stderr
+    arguments = ("correct", "missing.jpg", "--points", "p.csv", *PTLENS)
+    assert "--size WIDTHxHEIGHT" in plumb(tmp_path, *arguments, status=1).stderr
+
+
 def test_it_says_what_was_found_and_written(tmp_path: Path) -> None:
     photo(tmp_path / "a.jpg")
     done = plumb(tmp_path, "correct", "a.jpg", *PTLENS)
@@ -93,28 +109,43 @@ def test_many_photographs_one_of_them_bad(tmp_path: Path) -> None:
     assert "Corrected 0 photos, skipped 3 done before." in done.stdout
 
 
+def test_a_lens_file_that_is_not_there_is_told_once(tmp_path: Path) -> None:
+    for seed in range(3):
+        photo(tmp_path / f"{seed}.jpg", seed)
+    done = plumb(tmp_path, "correct", ".", "--lens", "no.json", status=1)
+    assert done.stderr.count("no.json: there is no such file") == 1
+    assert len(list(tmp_path.iterdir())) == 3
+
+
 def test_a_dask_scheduler_does_it(tmp_path: Path) -> None:
+    """Two worker processes that have another working folder, over the loopback."""
     distributed = pytest.importorskip(
         "distributed", reason="Dask is not installed, so there is no cluster to try"
     )
-    photo(tmp_path / "a.jpg")
-    photo(tmp_path / "b.jpg", 1)
+    names = ("a.jpg", "b.jpg", "c.jpg", "bad.jpg")
+    for seed, name in enumerate(names):
+        photo(tmp_path / name, seed)
+    (tmp_path / "bad.jpg").write_bytes(b"nonsense")
     with distributed.LocalCluster(
-        n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None,
-        protocol="tcp://",
+        n_workers=2, threads_per_worker=1, processes=True, host="127.0.0.1",
+        dashboard_address="127.0.0.1:0",
     ) as cluster:  # fmt: skip
-        done = plumb(
-            tmp_path, "correct", "a.jpg", "b.jpg", *PTLENS,
-            "--scheduler", cluster.scheduler_address,
-        )  # fmt: skip
-    assert "Corrected 2 photos." in done.stdout
-    assert (tmp_path / "b_corrected.jpg").exists()
+        address = cluster.scheduler_address
+        assert address.startswith("tcp://127.0.0.1:")
+        done = plumb(tmp_path, "correct", *names, *PTLENS, "--scheduler", address, status=1)
+    assert f"Corrected 3 photos, 1 failed: {tmp_path / 'bad.jpg'}." in done.stdout
+    assert f"Error: {tmp_path / 'bad.jpg'}: this is no picture that can be read." in done.stderr
+    plumb(tmp_path, "correct", "a.jpg", *PTLENS, "-o", "here.jpg")
+    made = (tmp_path / "a_corrected.jpg").read_bytes()
+    assert made == (tmp_path / "here.jpg").read_bytes()
+    for name in ("b_corrected.jpg", "c_corrected.jpg"):
+        assert (tmp_path / name).exists()
 
 
 def test_a_scheduler_that_is_not_there(tmp_path: Path) -> None:
     pytest.importorskip("distributed", reason="Dask is not installed")
     photo(tmp_path / "a.jpg")
-    arguments = ("correct", "a.jpg", ".", *PTLENS, "--scheduler", "tcp://127.0.0.1:1")
+    arguments = ("correct", "a.jpg", *PTLENS, "--scheduler", "tcp://127.0.0.1:1")
     assert "does not answer" in plumb(tmp_path, *arguments, status=1).stderr
 
 
@@ -161,6 +192,23 @@ def test_points_at_the_edge_go_and_come_back(tmp_path: Path) -> None:
     assert np.max(np.abs(_rows(tmp_path / "b.csv")[1] - expected)) < 1e-9
 
 
+def test_rows_come_out_in_the_order_in_which_they_came(tmp_path: Path) -> None:
+    rows = [
+        ("a", 40, 60),
+        ("b", 300, 90),
+        ("a", 50, 61),
+        ("#c", 99, 98),
+        ("b", 310, 91),
+        ("a", 7, 8),
+    ]
+    table = "".join(f'{x},"{label}",{y}\n' for label, x, y in rows)
+    (tmp_path / "mixed.csv").write_text("x,line,y\n" + table)
+    plumb(tmp_path, "correct", "--points", "mixed.csv", *PTLENS, "--size", "600x400")
+    labels, found = _rows(tmp_path / "mixed_corrected.csv")
+    assert labels == [label for label, _, _ in rows]
+    assert np.max(np.abs(found - TRUTH.undistort([[x, y] for _, x, y in rows]))) < 1e-9
+
+
 def test_corrected_points_leave_the_old_lenses_behind(tmp_path: Path) -> None:
     image = 'i w600 h400 f0 v50 Ra0 a0.01 b-0.05 c0.02 d3 e0 n"{}.jpg"\n'
     lines = (f"c n{i} N{i} x{x} y{y} X{x + 90} Y{y} t{3 + y // 50}\n" for i, x, y in _PICKS)
@@ -188,6 +236,19 @@ def test_the_map_as_a_file(tmp_path: Path) -> None:
     red, green = stmap[..., 2] * SIZE[0] - 0.5, (1 - stmap[..., 1]) * SIZE[1] - 0.5
     assert np.max(np.abs(np.stack((red, green), axis=-1) - expected)) < 0.01
     assert not stmap[..., 0].any()
+
+
+@pytest.mark.parametrize("name", ["map.tif", "map.npz"])
+def test_a_map_is_plumbline_s_own_and_is_written_again(tmp_path: Path, name: str) -> None:
+    photo(tmp_path / "a.jpg")
+    (tmp_path / name).write_bytes(b"mine")
+    arguments = ("correct", "a.jpg", *PTLENS, "--map", name)
+    assert "not written by plumbline" in plumb(tmp_path, *arguments, status=1).stderr
+    assert (tmp_path / name).read_bytes() == b"mine"
+    plumb(tmp_path, *arguments, "--overwrite")
+    first = (tmp_path / name).read_bytes()
+    plumb(tmp_path, "correct", "a.jpg", "--ptlens", "b=-0.02", "--map", name)
+    assert (tmp_path / name).read_bytes() != first
 
 
 def test_pixels_the_other_way(tmp_path: Path) -> None:
@@ -226,6 +287,21 @@ def test_pixels_the_other_way(tmp_path: Path) -> None:
         *(
             (("correct", "a.jpg", *MAP, *PTLENS, *useless), 2, f"--map has no use for {useless[0]}")
             for useless in (("-o", "x.tif"), ("--border", "edge"), ("--difference",))
+        ),
+        (
+            ("correct", "a.jpg", *PTLENS, "--scheduler", "tcp://127.0.0.1:1", "--jobs", "2"),
+            2,
+            "--scheduler has no use for --jobs",
+        ),
+        (
+            ("correct", *POINTS, *PTLENS, "-o", "b.csv", "--suffix", "_x"),
+            2,
+            "--points with -o has no use for --suffix",
+        ),
+        (
+            ("correct", "a.jpg", *PTLENS, "-o", "b.jpg", "--suffix", "_x"),
+            1,
+            "the suffix _x has no place in it",
         ),
         *(
             (("correct", "a.jpg", *PTLENS, name, "x"), 2, f"leave out {name}")
@@ -304,7 +380,9 @@ def test_a_fold_is_told(tmp_path: Path) -> None:
     done = plumb(tmp_path, "correct", "a.png", *FOLDED)
     r = np.linspace(0, 1.5, 100_001)
     fold = r[np.argmax(r * (1.7 - 0.4 * r**2 - 0.3 * r**3))] * SIZE[1] / 2
-    assert f"fold {fold - 0.5:.0f} px from the centre" in done.stderr
+    told = f"fold {fold - 0.5:.0f} px from the centre"
+    assert told in done.stderr
+    assert told in plumb(tmp_path, "correct", "a.png", *FOLDED, "--map", "m.npz").stderr
     assert "fold" not in plumb(tmp_path, "correct", "a.png", *PTLENS).stderr
 
 

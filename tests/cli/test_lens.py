@@ -46,6 +46,17 @@ def test_add_wants_a_result(tmp_path: Path) -> None:
     assert "name a result to add" in done.stderr
 
 
+def test_options_that_say_nothing_are_refused(coolpix: Path, tmp_path: Path) -> None:
+    result = saved(tmp_path / "r.json", calibration(b=-0.123))
+    done = plumbline("lens", "add", result, "--focal", "9", home=tmp_path)
+    assert done.returncode == 2
+    assert "lens add has no use for --focal; leave it out" in done.stderr
+    assert not (tmp_path / "data").exists()
+    done = plumbline("lens", coolpix, "--overwrite", home=tmp_path)
+    assert done.returncode == 2
+    assert "lens PHOTO has no use for --overwrite" in done.stderr
+
+
 def test_questions_are_sentences(tmp_path: Path) -> None:
     done = plumbline("lens", photo(tmp_path / "b.jpg"), home=tmp_path)
     assert done.returncode == 1

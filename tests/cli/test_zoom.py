@@ -44,6 +44,9 @@ def test_the_polynomial_is_printed(results: list[str], tmp_path: Path) -> None:
     done = plumbline("zoom", *results, "--method", "polynomial", "--degree", "4", home=tmp_path)
     assert done.returncode == 1
     assert "needs 5 focal lengths, and there are 4" in done.stderr
+    done = plumbline("zoom", *results, "--degree", "2", home=tmp_path)
+    assert done.returncode == 2
+    assert "--method hermite has no use for --degree" in done.stderr
 
 
 def test_specimens_are_pooled_and_their_scatter_shown(tmp_path: Path) -> None:
@@ -56,8 +59,10 @@ def test_specimens_are_pooled_and_their_scatter_shown(tmp_path: Path) -> None:
     assert "centres up to 30.0 px apart" in done.stdout
 
 
-def test_files_that_are_no_results(tmp_path: Path) -> None:
-    (tmp_path / "x.json").write_text("{}")
+@pytest.mark.parametrize("content", ["{}", "begin lens", ""])
+def test_files_that_are_no_results(tmp_path: Path, content: str) -> None:
+    (tmp_path / "x.json").write_text(content)
     done = plumbline("zoom", tmp_path / "x.json", home=tmp_path)
     assert done.returncode == 1
-    assert "Traceback" not in done.stderr
+    assert "x.json: this is no calibration written by plumbline." in done.stderr
+    assert "plumbline fit POINTS -o result.json" in done.stderr

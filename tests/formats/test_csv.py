@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -10,7 +12,7 @@ from hypothesis import strategies as st
 from plumbline.errors import ReadError
 from plumbline.formats.base import ReadOptions, Source
 from plumbline.formats.csv import FORMAT, write_csv
-from plumbline.observations import Line, Observations, Photo
+from plumbline.observations import Line, Observations, Origin, Photo
 
 Picked = dict[str, list[tuple[float, float]]]
 
@@ -211,3 +213,14 @@ def test_the_writer_names_photos_only_where_there_are_several() -> None:
     assert write_csv(one) == 'line,x,y\n"a, b",0.1,0.2\n"a, b",1e-300,-0.0\n"#c",0.1,0.2\n'
     two = Observations((Photo(None, "p.jpg"), Photo(None)), (Line(points[:1], 1, "a"),))
     assert write_csv(two) == "line,x,y,photo\na,0.1,0.2,1\n"
+
+
+def test_the_writer_keeps_the_order_of_a_table_and_groups_other_files() -> None:
+    table = "line,x,y\nb,3.0,4.0\na,1.0,2.0\n#\nb,5.0,6.0\na,1.5,2.5\n"
+    raw = read(table.encode())
+    grouped = "line,x,y\nb,3.0,4.0\nb,5.0,6.0\na,1.0,2.0\na,1.5,2.5\n"
+    assert write_csv(raw) == grouped
+    of_table = replace(raw, origins=(Origin("p.csv", "csv", b""),))
+    assert write_csv(of_table) == table.replace("#\n", "")
+    assert write_csv(replace(raw, origins=(Origin("p.mrf", "winmorph", b""),))) == grouped
+    assert write_csv(replace(of_table, origins=of_table.origins * 2)) == grouped

@@ -135,9 +135,9 @@ def test_a_cluster_of_dask_corrects_a_folder(tmp_path: Path) -> None:
         "distributed", reason="Dask is not installed, so there is no cluster to try"
     )
     photos = _three(tmp_path)
-    options = {"n_workers": 1, "threads_per_worker": 1, "processes": False}
+    options = {"n_workers": 2, "threads_per_worker": 1, "processes": True, "host": "127.0.0.1"}
     with (
-        distributed.LocalCluster(**options, dashboard_address=None) as cluster,
+        distributed.LocalCluster(**options, dashboard_address="127.0.0.1:0") as cluster,
         distributed.Client(cluster) as client,
     ):
         executor = client.get_executor(pure=False)
@@ -182,27 +182,46 @@ def test_a_worker_that_dies_takes_only_its_own_photo_with_it(tmp_path: Path) -> 
     assert sum(outcome.state == "corrected" for outcome in outcomes) == 7
 
 
-def test_killing_the_process_at_any_moment_leaves_no_partial_result(tmp_path: Path) -> None:
-    _photos(tmp_path, "a.jpg", size=(1500, 1000))
-    command = [sys.executable, "-m", "plumbline", "correct", "a.jpg", "-q"]
-    command += ["--ptlens", "a=0,b=-0.05,c=0", "-o", "b.jpg"]
+def _complete(folder: Path, expected: dict[str, bytes]) -> int:
+    """How many results are there; each is whole, and nothing bears a name of its own besides."""
+    names = {path.name for path in folder.iterdir() if not path.name.startswith(".plumbline-")}
+    assert names <= set(expected)
+    for name in names:
+        assert (folder / name).read_bytes() == expected[name]
+    return len(names)
+
+
+@pytest.mark.parametrize("jobs", ["1", "2"])
+def test_killing_the_process_at_any_moment_leaves_no_partial_result(
+    tmp_path: Path, jobs: str
+) -> None:
+    names = [f"{number}.jpg" for number in range(8)]
+    (tmp_path / "in").mkdir()
+    _photos(tmp_path / "in", *names, size=(900, 600))
+    originals = {name: (tmp_path / "in" / name).read_bytes() for name in names}
+    command = [sys.executable, "-m", "plumbline", "correct", "in", "-q", "--jobs", jobs]
+    command += ["--ptlens", "a=0,b=-0.05,c=0", "-o"]
     environment = os.environ | {"PYTHONPATH": str(ROOT)}
-    started = time.perf_counter()
-    subprocess.run(command, cwd=tmp_path, env=environment, check=True)
-    whole = time.perf_counter() - started
-    expected = np.asarray(Image.open(tmp_path / "b.jpg"))
-    finished = 0
-    for share in np.linspace(0.3, 1.1, 14):
-        (tmp_path / "b.jpg").unlink(missing_ok=True)
-        process = subprocess.Popen(command, cwd=tmp_path, env=environment)
-        time.sleep(whole * share)
+    subprocess.run([*command, "whole"], cwd=tmp_path, env=environment, check=True)
+    expected = {name: (tmp_path / "whole" / name).read_bytes() for name in names}
+    out = tmp_path / "out"
+    out.mkdir()
+    rng = np.random.default_rng()
+    found: list[int] = []
+    for done in (1, *rng.integers(0, len(names), 5)):  # results that are there when it is killed
+        for path in out.iterdir():
+            path.unlink(missing_ok=True)
+        process = subprocess.Popen([*command, "out"], cwd=tmp_path, env=environment)
+        while process.poll() is None and len(list(out.glob("*.jpg"))) < done:
+            time.sleep(0.001)
+        time.sleep(rng.uniform(0, 0.05))
         process.kill()
         process.wait()
-        if (tmp_path / "b.jpg").exists():
-            finished += 1
-            assert np.array_equal(np.asarray(Image.open(tmp_path / "b.jpg")), expected)
-    assert finished < 14
-    assert (tmp_path / "a.jpg").exists()
+        found.append(_complete(out, expected))
+    assert min(found) < len(names), "it was killed too late each time"
+    assert _complete(tmp_path / "in", originals) == len(names)
+    subprocess.run([*command, "out", "--skip-existing"], cwd=tmp_path, env=environment, check=True)
+    assert _complete(out, expected) == len(names)
 
 
 @pytest.mark.parametrize("moment", ["token_hex", "fsync", "replace"])

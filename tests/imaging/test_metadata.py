@@ -221,6 +221,16 @@ def test_a_full_exif_segment_stays_within_jpeg_s_limit(tmp_path: Path) -> None:
     assert jpeg.read_metadata(done.output.read_bytes()).exif == block
 
 
+def test_xmp_that_jpeg_cannot_hold_is_told_of(tmp_path: Path) -> None:
+    for length, fits in ((65504, True), (65505, False)):  # 65533 less XMP's head of 29
+        packet = b"<x:xmpmeta xmlns:x='adobe:ns:meta/'>".ljust(length - 12) + b"</x:xmpmeta>"
+        Image.fromarray(texture(SIZE)).save(tmp_path / "a.webp", xmp=packet)
+        done = plumbline.correct(tmp_path / "a.webp", BARREL, tmp_path / "b.jpg")
+        assert any("XMP is too long" in note for note in done.notes) is not fits
+        with Image.open(done.output) as made:
+            assert made.info.get("xmp", b"") == (packet if fits else b"")
+
+
 def test_a_long_profile_takes_several_segments(tmp_path: Path) -> None:
     long = profile() + bytes(200_000)
     data = jpeg.with_metadata(_thumbnail((64, 48)), Metadata(icc=long))
@@ -244,6 +254,7 @@ def test_a_second_correction_is_warned_of(tmp_path: Path) -> None:
         ("ptlens, from lenses/building.json", "ptlens, from building.json"),
         ("ptlens, from C:\\Users\\me\\building.json", "ptlens, from building.json"),
         ("EF-S 18-55mm f/3.5-5.6 IS at 18 mm", "EF-S 18-55mm f/3.5-5.6 IS at 18 mm"),
+        ("Nikkor 18-55mm f/3.5-5.6G VR at 18 mm", "Nikkor 18-55mm f/3.5-5.6G VR at 18 mm"),
         ("Objektiv für\nWeitwinkel", "Objektiv f?r Weitwinkel"),
     ],
 )

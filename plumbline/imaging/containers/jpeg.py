@@ -17,6 +17,7 @@ _APP0, _APP1, _APP2, _APP14, _APP15, _COM, _SOS = 0xE0, 0xE1, 0xE2, 0xEE, 0xEF, 
 _EXIF, _XMP, _ICC = b"Exif\0\0", b"http://ns.adobe.com/xap/1.0/\0", b"ICC_PROFILE\0"
 _JFIF, _MPF = b"JFIF\0", b"MPF\0"
 _MOST = 65533
+MOST_OF_XMP = _MOST - len(_XMP)
 _JFIF_HEAD = 14
 
 
@@ -89,7 +90,7 @@ def _records(metadata: Metadata) -> list[bytes]:
     across, down = metadata.dpi or (1.0, 1.0)
     density = struct.pack(">BHH", 1 if metadata.dpi else 0, round(across), round(down))
     made.append(_segment(_APP0, _JFIF + b"\x01\x02" + density + b"\0\0"))
-    if metadata.xmp and len(_XMP) + len(metadata.xmp) <= _MOST:
+    if metadata.xmp:
         made.append(_segment(_APP1, _XMP + metadata.xmp))
     room = _MOST - len(_ICC) - 2
     parts = [metadata.icc[i : i + room] for i in range(0, len(metadata.icc), room)]

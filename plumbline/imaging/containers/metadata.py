@@ -11,7 +11,7 @@ CORRECTED = "corrected by plumbline"
 """Stands in EXIF's Software of every photograph that plumbline corrected."""
 
 _MOST_OF_A_NOTE = 240
-_FOLDERS = re.compile(r"\S*[\\/](?=[^\s\\/]+\.\w{2,4}\b)")
+_FOLDERS = re.compile(r"\S*[\\/](?=[^\s\\/]+\.[a-zA-Z]\w{1,3}\b)")
 
 
 @dataclass(frozen=True)
