@@ -18,7 +18,7 @@ def print_comparison(console: Console, comparison: Comparison) -> None:
     console.print(comparison_table(comparison))
     for candidate in comparison.candidates:
         made = candidate.calibration
-        told = candidate.failure if made is None else ", ".join(_coefficients(made))
+        told = candidate.failure if made is None else ", ".join(coefficient_texts(made))
         _print(console, f"{candidate.name}: {escape(printable(told))}")
     chosen = comparison.candidates[comparison.recommended]
     _print(
@@ -65,7 +65,8 @@ def _figures(candidate: Candidate, least: float) -> list[str]:
     ]
 
 
-def _coefficients(made: Calibration) -> list[str]:
+def coefficient_texts(made: Calibration) -> list[str]:
+    """The free coefficients with their standard errors."""
     return [
         f"{name} {value:+.1f} ± {made.standard_errors[name]:.1f} px"
         if name in CENTRE

@@ -9,6 +9,7 @@ import numpy as np
 from plumbline.calibration import Calibration
 from plumbline.comparison import Candidate, Comparison
 from plumbline.models import CENTRE
+from plumbline.report.comparison import coefficient_texts
 from plumbline.report.markup import Element, Node, table, tag
 from plumbline.report.page_figures import photo_name
 from plumbline.report.terminal import decimals
@@ -131,49 +132,34 @@ def comparison(compared: Comparison) -> Iterator[Element]:
     yield tag("p", tag("b", f"Recommended: {chosen.name}."), f" {compared.reason}")
     if compared.centre:
         yield tag("p", compared.centre)
-    head = (
-        "model",
-        "free",
-        "rms, px",
-        "AICc",
-        "lines left out, px",
-        "from the best, px",
-        "folds at, px",
-        "",
-    )
+    head = ("model", "coefficients", "rms, px", "AICc", "left out, px", "off best, px", "folds")
     rows = [_candidate(each, index, compared) for index, each in enumerate(compared.candidates)]
-    yield table(head, rows, text=(0, 1, 7))
+    yield table(head, rows, text=(0, 1))
     yield tag(
         "p",
-        "Lines left out: root mean square residual of lines that did not take part in the fit. "
-        "From the best: the largest difference of the correction over the range of the picks.",
+        "AICc: above the lowest. Left out: root mean square residual of lines that did not take "
+        "part in the fit. Off best: the largest difference from the best row over the range of the "
+        "picks.",
         class_="muted",
     )
 
 
 def _candidate(each: Candidate, index: int, compared: Comparison) -> list[Node]:
-    name = each.name + (f" (the same as {', '.join(each.equals)})" if each.equals else "")
-    marks = [
-        word
-        for word, place in (("recommended", compared.recommended), ("best", compared.best))
-        if place == index
-    ]
-    if each.calibration is None:
-        return [name, ", ".join(each.free), *[""] * 5, each.failure]
-    numbers = (
-        (each.calibration.rms_after_px, ".3f"),
-        (each.aicc, ".1f"),
-        (each.left_out_px, ".3f"),
-        (each.difference_px, ".2f"),
-        (each.fold_px, ".0f"),
-    )
-    shown = ["" if value is None else format(value, form) for value, form in numbers]
-    told = ", ".join(marks)
+    name = tag("b", each.name) if index == compared.recommended else each.name
+    equals = tag("div", f"= {', '.join(each.equals)}", class_="muted") if each.equals else None
+    model = tag("div", name, equals)
+    made = each.calibration
+    if made is None or each.aicc is None:
+        return [model, each.failure, *["no fit"], *[""] * 4]
+    least = min(other.aicc for other in compared.candidates if other.aicc is not None)
     return [
-        tag("b", name) if marks else name,
-        ", ".join(each.free),
-        *shown,
-        tag("b", told) if told else "",
+        model,
+        ", ".join(coefficient_texts(made)),
+        f"{made.rms_after_px:.3f}",
+        f"{each.aicc - least:+.1f}",
+        "" if each.left_out_px is None else f"{each.left_out_px:.3f}",
+        "" if each.difference_px is None else f"{each.difference_px:.2f}",
+        "no" if each.fold_px is None else f"at {each.fold_px:,.0f} px",
     ]
 
 
