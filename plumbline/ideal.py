@@ -1,4 +1,4 @@
-"""Ideal points with their derivatives, analytically and in NumPy.
+"""Ideal points with their derivatives, in NumPy.
 
 The fit differentiates in its compiled program. What is asked of a finished fit (leverage, errors
 in pixels, left-out lines) needs the same derivatives at one lens only, and no program for them.
@@ -14,7 +14,7 @@ from plumbline.frame import Array
 from plumbline.lens import Lens
 from plumbline.models import CENTRE, Model
 
-_STEP = 1e-4
+_STEP = 1e-5
 
 
 class Ideal(NamedTuple):

@@ -160,8 +160,8 @@ def _lost(picks: Picks, screened: Screened) -> NDArray[np.bool_]:
     n = len(picks.sizes)
     counts = np.bincount(picks.line, screened.kept, n)
     lost = counts < 3
-    for line in np.flatnonzero(2 * counts <= picks.sizes).tolist():
-        lost[line] |= _by_chance(picks, screened, line) > _CHANCE
+    for line in np.flatnonzero(~lost & (2 * counts <= picks.sizes)).tolist():
+        lost[line] = _by_chance(picks, screened, line) > _CHANCE
     for line in np.flatnonzero(~lost & (counts + 3 <= picks.sizes)).tolist():
         mine = np.flatnonzero((picks.line == line) & screened.kept)
         for other in np.flatnonzero(~lost & (counts >= counts[line])).tolist():

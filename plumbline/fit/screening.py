@@ -123,7 +123,8 @@ def least_median_lines(ideal: Ideal, sizes: NDArray[np.int64]) -> tuple[Lines, A
         The lines, and the median distance of each in pixels of the photograph, shape (l,).
     """
     starts = np.cumsum(sizes) - sizes
-    area = np.abs(np.linalg.det(ideal.stretch))
+    xx, xy, yx, yy = ideal.stretch.reshape(-1, 4).T
+    area = np.abs(xx * yy - xy * yx)
     scale = np.sqrt(np.where(area > 0, area, np.inf))
     origin, along = np.zeros((len(sizes), 2)), np.zeros((len(sizes), 2))
     median = np.zeros(len(sizes))
