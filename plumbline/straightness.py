@@ -51,6 +51,13 @@ def line_numbers(sizes: NDArray[np.int64]) -> NDArray[np.int64]:
     return np.repeat(np.arange(len(sizes)), sizes)
 
 
+def drawn_through(
+    kept: NDArray[np.bool_], line: NDArray[np.int64], n_lines: int
+) -> NDArray[np.bool_]:
+    """Which points lines are drawn through: the kept ones, or all of a line that kept none, (n,)."""
+    return kept | (np.bincount(line, kept, n_lines) == 0)[line]
+
+
 def fit_lines(points: Array, line: NDArray[np.int64], n_lines: int, weight: Array) -> Lines:
     """Fit lines by orthogonal least squares.
 
@@ -99,7 +106,8 @@ def straightness_before(
 
     Args:
         observations: The picks.
-        kept: Which points of each line its straight line is fitted to; all by default.
+        kept: Which points of each line its straight line is fitted to; all by default, and of a
+            line that kept none.
     """
     frames = [photo.frame for photo in observations.photos]
     points = np.concatenate(
@@ -107,6 +115,7 @@ def straightness_before(
     )
     sizes = np.array([len(line.points_px) for line in observations.lines], dtype=np.int64)
     line = line_numbers(sizes)
-    weight = np.ones(len(points)) if kept is None else np.concatenate(kept).astype(np.float64)
-    lines = fit_lines(points, line, len(sizes), weight)
+    every = np.ones(len(points), dtype=np.bool_)
+    drawn = every if kept is None else drawn_through(np.concatenate(kept), line, len(sizes))
+    lines = fit_lines(points, line, len(sizes), drawn.astype(np.float64))
     return tuple(np.split(lines.place(points, line)[1], np.cumsum(sizes)[:-1]))

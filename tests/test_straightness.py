@@ -66,3 +66,11 @@ def test_straightness_before_counts_square_pixels() -> None:
         centred = square - square.mean(axis=0)
         expected = centred @ np.linalg.svd(centred)[2][1]
         np.testing.assert_allclose(np.abs(found), np.abs(expected), atol=1e-9)
+
+
+def test_a_line_left_out_as_a_whole_is_measured_by_itself() -> None:
+    picks = [scattered(5), scattered(6)]
+    obs = Observations.from_arrays(picks, (1400, 800))
+    kept = [np.ones(9, dtype=np.bool_), np.zeros(9, dtype=np.bool_)]
+    for found, every in zip(straightness_before(obs, kept), straightness_before(obs), strict=True):
+        np.testing.assert_array_equal(found, every)
