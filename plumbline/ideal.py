@@ -33,11 +33,6 @@ class Ideal(NamedTuple):
 def undistorted(lens: Lens, observed_px: Array) -> Ideal:
     """Undistort points of shape (n, 2); those beyond the fold become NaN."""
     uv = lens.frame.normalise(lens.undistort_or_nan(observed_px), 1.0)
-    return at(lens, observed_px, uv)
-
-
-def at(lens: Lens, observed_px: Array, uv: Array) -> Ideal:
-    """The same where the ideal points, in square pixels from the centre, are known already."""
     observed = _observed(lens, observed_px)
     return Ideal(uv, stretch(lens.model, lens.vector, observed / lens.unit_px, uv / lens.unit_px))
 

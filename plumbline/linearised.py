@@ -88,7 +88,7 @@ class Linearised:
         k = self.jacobian.shape[1]
         weighted = np.where(self.kept[:, None], self.jacobian, 0.0)
         outer = (weighted[:, :, None] * weighted[:, None, :]).reshape(len(weighted), k * k)
-        pulls = weighted * self.residual_px[:, None]
+        pulls = weighted * np.where(self.kept, self.residual_px, 0.0)[:, None]
         starts = np.searchsorted(self.line, np.arange(self.n_lines))
         normals = np.add.reduceat(outer, starts).reshape(-1, k, k)
         gradients = np.add.reduceat(pulls, starts)
