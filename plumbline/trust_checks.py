@@ -30,8 +30,10 @@ def after_fit(made: Calibration) -> tuple[Check, ...]:
 def _condition(made: Calibration) -> Check:
     normal = made.linearised.normal
     scale = np.sqrt(np.diag(normal))
-    values = np.linalg.eigvalsh(normal / np.outer(scale, scale))
-    number = float(np.sqrt(values[-1] / max(float(values[0]), 1e-300)))
+    square = np.outer(scale, scale)
+    balanced = np.divide(normal, square, out=np.zeros_like(normal), where=square > 0)
+    least, most = np.linalg.eigvalsh(balanced)[[0, -1]].tolist()
+    number = float(np.sqrt(most / least)) if least > 0 else float("inf")
     finding = f"condition number of the problem {number:,.0f}"
     if number <= _CONDITION:
         return Check("condition", True, finding)
