@@ -125,7 +125,13 @@ def _calibration(data: Mapping[str, Any]) -> Calibration:
 def _observations(stored: Mapping[str, Any]) -> Observations:
     observations = Observations(
         photos=tuple(
-            Photo(_pair(p["size"], int), str(p["name"]), 0, _number(p["pixel_aspect"]), int(p["number"]))
+            Photo(
+                _pair(p["size"], int),
+                str(p["name"]),
+                0,
+                _number(p["pixel_aspect"]),
+                int(p["number"]),
+            )
             for p in stored["photos"]
         ),
         lines=tuple(

@@ -54,7 +54,7 @@ def line_numbers(sizes: NDArray[np.int64]) -> NDArray[np.int64]:
 def drawn_through(
     kept: NDArray[np.bool_], line: NDArray[np.int64], n_lines: int
 ) -> NDArray[np.bool_]:
-    """Which points lines are drawn through: the kept ones, or all of a line that kept none, (n,)."""
+    """Which points lines are drawn through, (n,): the kept ones, or all of a line without any."""
     return kept | (np.bincount(line, kept, n_lines) == 0)[line]
 
 

@@ -86,7 +86,12 @@ def test_picks_that_leave_the_outside_to_extrapolation() -> None:
 
 
 def test_lines_in_one_quadrant() -> None:
-    quadrant = [level(60, 60, 1400), level(600, 60, 1400), upright(80, 40, 900), upright(900, 40, 900)]
+    quadrant = [
+        level(60, 60, 1400),
+        level(600, 60, 1400),
+        upright(80, 40, 900),
+        upright(900, 40, 900),
+    ]
     checks = checked(quadrant)
     assert failed(quadrant) >= {"corners"}
     assert "top right, bottom right and bottom left" in checks["corners"].finding

@@ -106,10 +106,12 @@ def test_motions_with_powers_of_a_richer_model(name: str) -> None:
     ("name", "c"),
     [("ptlens", {"a": 0.0, "b": -0.35, "c": 0.0}), ("radial:2,4", {"a2": -0.4, "a4": 0.0})],
 )
-def test_points_beyond_the_fold_are_nan_and_the_others_are_not(name: str, c: dict[str, float]) -> None:
+def test_points_beyond_the_fold_are_nan_and_the_others_are_not(
+    name: str, c: dict[str, float]
+) -> None:
     lens = lens_of(TrueLens(name, c, SIZE))
     middle = (np.array(SIZE) - 1) / 2
-    observed = np.array([middle, middle + (100.0, 50.0), [0.0, 0.0]])
+    observed = np.array([middle, middle + np.array([100.0, 50.0]), [0.0, 0.0]])
     ideal = undistorted(lens, observed)
     assert np.isfinite(ideal.uv[:2]).all()
     assert np.isnan(ideal.uv[2]).all()

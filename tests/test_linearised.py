@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from plumbline import calibrate, calibrate_many
-from plumbline.calibration import Calibration
+from plumbline.calibration import Calibration, ResidualKind
 from plumbline.frame import Frame
 from plumbline.lens import Lens
 from plumbline.linearised import Linearised, in_frame, linearise
@@ -44,11 +44,10 @@ def away_px(lens: TrueLens, point: Array, others: Array) -> float:
     def distance(by: tuple[float, float]) -> float:
         return float((lens.undistort(point + np.array(by)) - middle) @ normal)
 
-    slope = [
-        (distance((h * x, h * y)) - distance((-h * x, -h * y))) / (2 * h)
-        for h, x, y in ((0.05, 1.0, 0.0), (0.05, 0.0, 1.0))
-    ]
-    return abs(distance((0.0, 0.0))) / float(np.hypot(*slope))
+    h = 0.05
+    dx = (distance((h, 0.0)) - distance((-h, 0.0))) / (2 * h)
+    dy = (distance((0.0, h)) - distance((0.0, -h))) / (2 * h)
+    return abs(distance((0.0, 0.0))) / float(np.hypot(dx, dy))
 
 
 @pytest.mark.parametrize("aspect", [1.0, 1.2])
@@ -64,8 +63,8 @@ def test_residuals_are_the_independent_ones(image: bool, aspect: float) -> None:
 
 
 @pytest.mark.parametrize("kind", ["image", "corrected"])
-def test_residuals_are_the_fits_own(kind: str) -> None:
-    made = calibrate(picked(TrueLens("ptlens", BARREL), noise_px=0.5), residual=kind)  # type: ignore[arg-type]
+def test_residuals_are_the_fits_own(kind: ResidualKind) -> None:
+    made = calibrate(picked(TrueLens("ptlens", BARREL), noise_px=0.5), residual=kind)
     np.testing.assert_allclose(
         made.linearised.residual_px, np.concatenate(made.residuals_px), rtol=0, atol=1e-6
     )
@@ -120,7 +119,11 @@ def test_leverage_tells_the_residual_without_a_pick(line: int, pick: int) -> Non
     # The same pick, linearised where it is left out, is studentised by √(1 + h) instead.
     kept = np.arange(192) != number
     apart = linearise(
-        refit.lens, [each.points_px for each in made.observations.lines], made.free, kept, image=True
+        refit.lens,
+        [each.points_px for each in made.observations.lines],
+        made.free,
+        kept,
+        image=True,
     )
     assert abs(apart.residual_px[number]) == pytest.approx(found, rel=1e-5)
     h = linear.leverage[number]
@@ -137,7 +140,9 @@ def test_one_step_without_each_line_is_nearly_the_refit() -> None:
     refits = calibrate_many(
         [replace(made.observations, lines=(*lines[:i], *lines[i + 1 :])) for i in range(len(lines))]
     )
-    real = np.array([[each.coefficients[n] - made.coefficients[n] for n in "abc"] for each in refits])
+    real = np.array(
+        [[each.coefficients[n] - made.coefficients[n] for n in "abc"] for each in refits]
+    )
     np.testing.assert_allclose(shifts, real, atol=0.03 * np.max(np.abs(real)))
     # The picks of the line left out, from the line through them under the others' lens.
     missed = made.linearised.left_out_px(shifts)
@@ -196,8 +201,9 @@ def test_a_line_left_out_as_a_whole_is_measured_by_itself() -> None:
 
 
 def test_photos_turned_otherwise_share_the_centre() -> None:
-    lying, standing = np.array([[0.0, 0.0], [100.0, 40.0], [399.0, 299.0]]), np.array(
-        [[0.0, 0.0], [149.5, 199.5], [299.0, 399.0]]
+    lying, standing = (
+        np.array([[0.0, 0.0], [100.0, 40.0], [399.0, 299.0]]),
+        np.array([[0.0, 0.0], [149.5, 199.5], [299.0, 399.0]]),
     )
     obs = Observations((Photo((400, 300)), Photo((300, 400))), (Line(lying, 0), Line(standing, 1)))
     first, second = in_frame(obs, obs.photos[0].frame)

@@ -19,7 +19,10 @@ def scattered(seed: int, n: int = 9) -> Array:
 
 def test_lines_are_those_of_the_singular_value_decomposition() -> None:
     groups = [scattered(seed, 4 + seed % 5) for seed in range(30)]
-    groups += [np.stack((np.arange(5.0), np.zeros(5)), 1), np.stack((np.ones(4), np.arange(4.0)), 1)]
+    groups += [
+        np.stack((np.arange(5.0), np.zeros(5)), 1),
+        np.stack((np.ones(4), np.arange(4.0)), 1),
+    ]
     points = np.concatenate(groups)
     line = line_numbers(np.array([len(group) for group in groups]))
     lines = fit_lines(points, line, len(groups), np.ones(len(points)))

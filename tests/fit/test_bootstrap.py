@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from plumbline import calibrate
-from plumbline.calibration import Calibration
+from plumbline.calibration import Calibration, ResidualKind
 from plumbline.errors import OptionError
 from plumbline.fit.bootstrap import bootstrap
 from tests.fit.test_calibrate import picked
@@ -70,9 +70,13 @@ def test_the_same_seed_gives_the_same_and_another_another() -> None:
 
 
 @pytest.mark.parametrize("residual", ["image", "corrected"])
-def test_held_coefficients_stay_and_picks_left_out_stay_out(residual: str) -> None:
+def test_held_coefficients_stay_and_picks_left_out_stay_out(residual: ResidualKind) -> None:
     made = calibrate(
-        moved(), free=("b", "d"), start={"a": 0.02, "c": -0.02}, robust=True, residual=residual  # type: ignore[arg-type]
+        moved(),
+        free=("b", "d"),
+        start={"a": 0.02, "c": -0.02},
+        robust=True,
+        residual=residual,
     )
     assert left_out(made) == set(MOVED)
     found = bootstrap(made, 160).bootstrap

@@ -46,11 +46,10 @@ def test_few_picks_never_bend() -> None:
 
 def test_twins_are_close_for_their_line() -> None:
     line = np.repeat([0, 1, 2], 5)
-    along = np.array(
-        [0, 100, 200, 200.6, 300]  # picked twice
-        + [0.0, 0.8, 1.6, 2.4, 3.2]  # a short line, densely picked
-        + [50, 200.5, 0, 90, 51.5]  # 1.5 px apart, and not in order
-    )
+    twice = [0, 100, 200, 200.6, 300]
+    dense = [0.0, 0.8, 1.6, 2.4, 3.2]
+    apart = [50, 200.5, 0, 90, 51.5]  # 1.5 px apart, and not in order
+    along = np.array([*twice, *dense, *apart])
     across = np.zeros(15)
     assert twins(line, along, across).tolist() == [[2, 3]]
     across[3] = 0.9  # 1.08 px apart by both
