@@ -47,14 +47,14 @@ class Model(ABC):
     tangential: ClassVar[tuple[str, ...]] = ()
 
     @property
-    @abstractmethod
     def powers(self) -> tuple[int, ...]:
-        """Power of r in the factor for each radial coefficient, in the coefficients' order."""
+        """Power of r for each radial coefficient, in their order; even ones for most models."""
+        return tuple(2 * (i + 1) for i in range(len(self.radial)))
 
     @property
-    @abstractmethod
     def next_powers(self) -> tuple[int, ...]:
         """Powers of r that the next richer model has besides."""
+        return (max(self.powers) + 2,)
 
     @property
     def radial(self) -> tuple[str, ...]:
