@@ -69,7 +69,9 @@ class Robust:
     screened: Screened
 
 
-def robust_fits(problems: Sequence[Problem], solutions: Sequence[Solution]) -> list[Robust | None]:
+def robust_fits(
+    problems: Sequence[Problem], solutions: Sequence[Solution]
+) -> list[Robust | DegenerateLinesError | None]:
     """Robust fits of problems of one model.
 
     Args:
@@ -77,13 +79,14 @@ def robust_fits(problems: Sequence[Problem], solutions: Sequence[Solution]) -> l
         solutions: Their plain fits.
 
     Returns:
-        None where nothing is suspicious and the plain fit is the robust one.
+        None where nothing is suspicious and the plain fit is the robust one; an error where the
+        picks that can be believed are too few.
     """
     picks = picks_at(problems, solutions)
     screened = screen(picks)
     spoiled = np.bincount(picks.problem, ~screened.kept, len(problems)) > 0
     odd = _odd(picks, screened)
-    made: list[Robust | None] = []
+    made: list[Robust | DegenerateLinesError | None] = []
     for index, (problem, solution) in enumerate(zip(problems, solutions, strict=True)):
         plain_px = float(np.sqrt(np.sum(solution.residual**2) / problem.dof))
         wild = not plain_px < _WILD * problem.blank.frame.radius_px
@@ -111,7 +114,9 @@ def _odd(picks: Picks, screened: Screened) -> NDArray[np.bool_]:
     return odd
 
 
-def _fit(problem: Problem, plain: Solution, kept: NDArray[np.bool_] | None) -> Robust | None:
+def _fit(
+    problem: Problem, plain: Solution, kept: NDArray[np.bool_] | None
+) -> Robust | DegenerateLinesError | None:
     """Decide lens and picks in turn."""
     if kept is None:
         kept = _first_belief(problem, plain)
@@ -126,8 +131,8 @@ def _fit(problem: Problem, plain: Solution, kept: NDArray[np.bool_] | None) -> R
         seen.append(kept)
         try:
             believed = problem.keeping(kept)
-        except DegenerateLinesError:
-            return found
+        except DegenerateLinesError as error:
+            return found or error
         solution = solve(problem.model, believed.task)
         picks = picks_at([problem], [solution])
         screened = screen(picks)

@@ -54,3 +54,5 @@ def test_twins_are_close_for_their_line() -> None:
     assert twins(line, along, across).tolist() == [[2, 3]]
     across[3] = 0.9  # 1.08 px apart by both
     assert twins(line, along, across).tolist() == []
+    across[2:4] = np.inf
+    assert twins(line, along, across).tolist() == []

@@ -349,10 +349,18 @@ def test_a_stray_beyond_the_fold_is_left_out_and_has_no_residual() -> None:
     assert made.coefficients["b"] == pytest.approx(plain.coefficients["b"], abs=1e-8)
 
 
-def test_where_too_few_picks_agree_the_plain_fit_stands() -> None:
-    """Two lines of strays: what is left could not determine a, b and c."""
-    rng = np.random.default_rng(2)
-    lines = [clean()[n][[0, 3, 6, 9, 11]] + rng.normal(0, 6, (5, 2)) for n in (0, 1)]
-    made = calibrate(observed(lines), free=("b",))
-    assert made.dof == 10 - 4 - 1
+def test_where_too_few_picks_agree_the_plain_fit_says_so_and_the_robust_one_fails() -> None:
+    """The picks of the one line that tells anything stray; the others run through the centre."""
+    middle, share = np.array([1499.5, 1124.5]), np.linspace(-1, 1, 12)[:, None]
+    turns = np.linspace(0.1, 3.0, 6)
+    central = [middle + 900 * share * (np.cos(turn), np.sin(turn)) for turn in turns]
+    rng = np.random.default_rng(8)
+    telling = clean()[0] + (0.0, 120.0)
+    telling[:, 1] += rng.uniform(-25, 25, 12)
+    obs = observed([*(line + rng.normal(0, 0.3, (12, 2)) for line in central), telling])
+    made = calibrate(obs, free=("b",))
+    assert any("which picks are wrong cannot be told" in note for note in made.notes)
     assert left_out(made) == set()
+    assert made.suspects == ()
+    with pytest.raises(DegenerateLinesError):
+        calibrate(obs, free=("b",), robust=True)
