@@ -65,7 +65,8 @@ class Calibration:
         sigma_px: Estimated standard deviation of one pick across its line, σ̂.
         dof: Degrees of freedom: points − 2 · lines − free coefficients.
         residuals_px: Signed residuals, one array for each line; those of picks left out are their
-            distances from the line through the others.
+            distances from the line through the others, or through all of a line left out as a
+            whole, and infinite beyond the fold of the model.
         rms_corrected_px: Root mean square distance in the corrected photo, as Hugin has it.
         converged: Whether the fit ended in a minimum.
         reason: Why it ended, in a sentence.

@@ -1,4 +1,4 @@
-"""Ideal points with their derivatives, analytically and in NumPy.
+"""Ideal points with their derivatives, in NumPy.
 
 The fit differentiates in its compiled program. What is asked of a finished fit (leverage, errors
 in pixels, left-out lines) needs the same derivatives at one lens only, and no program for them.
@@ -14,7 +14,7 @@ from plumbline.frame import Array
 from plumbline.lens import Lens
 from plumbline.models import CENTRE, Model
 
-_STEP = 1e-4
+_STEP = 1e-5
 
 
 class Ideal(NamedTuple):
@@ -33,11 +33,6 @@ class Ideal(NamedTuple):
 def undistorted(lens: Lens, observed_px: Array) -> Ideal:
     """Undistort points of shape (n, 2); those beyond the fold become NaN."""
     uv = lens.frame.normalise(lens.undistort_or_nan(observed_px), 1.0)
-    return at(lens, observed_px, uv)
-
-
-def at(lens: Lens, observed_px: Array, uv: Array) -> Ideal:
-    """The same where the ideal points, in square pixels from the centre, are known already."""
     observed = _observed(lens, observed_px)
     return Ideal(uv, stretch(lens.model, lens.vector, observed / lens.unit_px, uv / lens.unit_px))
 

@@ -18,7 +18,7 @@ from plumbline.frame import Array, Frame
 from plumbline.ideal import Ideal, by_coefficients, by_powers, undistorted
 from plumbline.lens import Lens
 from plumbline.observations import Observations
-from plumbline.straightness import Lines, fit_lines, line_numbers
+from plumbline.straightness import Lines, drawn_through, fit_lines, line_numbers
 
 _SINGULAR = 1e-12
 
@@ -29,8 +29,9 @@ class Linearised:
 
     Attributes:
         line: Line of each pick, shape (n,).
-        kept: Which picks were fitted, shape (n,).
-        residual_px: Distance from the line through the kept picks, shape (n,).
+        kept: Which picks were fitted and lie within the fold, shape (n,).
+        residual_px: Distance from the line through the kept picks, or through all of a line that
+            kept none, shape (n,); infinite beyond the fold of the model.
         image_px: The same measured in the photograph, whichever kind was minimised.
         jacobian: Derivatives of `residual_px` by the free coefficients, shape (n, k).
         extra: The same for the terms that the next richer model adds, shape (n, m).
@@ -69,10 +70,12 @@ class Linearised:
     def studentised(self, sigma_px: float) -> Array:
         """Residuals in units of their own standard deviation, shape (n,).
 
-        A kept pick has drawn line and lens towards itself; one left out has not.
+        A kept pick has drawn line and lens towards itself; one left out has not. Infinite beyond
+        the fold of the model, where there is no leverage either.
         """
         room = np.where(self.kept, np.maximum(1 - self.leverage, 1e-6), 1 + self.leverage)
-        return self.residual_px / (max(sigma_px, 1e-12) * np.sqrt(room))
+        size = self.residual_px / (max(sigma_px, 1e-12) * np.sqrt(room))
+        return np.where(np.isfinite(self.residual_px), size, np.inf)
 
     def without_each_line(self) -> Array | None:
         """How the coefficients would change with one line left out, shape (l, k).
@@ -85,7 +88,7 @@ class Linearised:
         k = self.jacobian.shape[1]
         weighted = np.where(self.kept[:, None], self.jacobian, 0.0)
         outer = (weighted[:, :, None] * weighted[:, None, :]).reshape(len(weighted), k * k)
-        pulls = weighted * self.residual_px[:, None]
+        pulls = weighted * np.where(self.kept, self.residual_px, 0.0)[:, None]
         starts = np.searchsorted(self.line, np.arange(self.n_lines))
         normals = np.add.reduceat(outer, starts).reshape(-1, k, k)
         gradients = np.add.reduceat(pulls, starts)
@@ -137,17 +140,16 @@ def linearise(
     line = line_numbers(sizes)
     ideal = undistorted(lens, observed_px)
     seen = np.isfinite(ideal.uv).all(axis=1)
-    # A line of which nothing is kept is still measured against itself.
-    whole = ~np.isin(line, line[kept & seen])
-    lines = fit_lines(ideal.uv, sizes, (seen & (kept | whole)).astype(np.float64))
+    counts = kept & seen
+    drawn = drawn_through(counts, sizes) & seen
+    lines = fit_lines(ideal.uv, sizes, drawn.astype(np.float64))
     along, distance = lines.place(ideal.uv, line)
     stretch = across_stretch(ideal, lines.across[line])
     scale = stretch if image else np.ones_like(stretch)
-    counts = kept & seen
 
     def projected(moved: Array) -> Array:
         across = np.einsum("nik,ni->nk", moved, lines.across[line])
-        return _without_line(across, along, line, lines, counts) / scale[:, None]
+        return _without_line(across, along, line, lines, drawn) / scale[:, None]
 
     leverage = (
         1 / np.maximum(lines.count, 1.0)[line]
@@ -179,16 +181,15 @@ def across_stretch(ideal: Ideal, normal: Array) -> Array:
 
 
 def _without_line(
-    values: Array, along: Array, line: NDArray[np.int64], lines: Lines, kept: NDArray[np.bool_]
+    values: Array, along: Array, line: NDArray[np.int64], lines: Lines, drawn: NDArray[np.bool_]
 ) -> Array:
     """What the line's own offset and direction cannot take up of motions across it, (n, k)."""
-    weight = kept.astype(np.float64)
     number = np.maximum(lines.count, 1.0)
     spread = np.where(lines.spread > 0, lines.spread, np.inf)
     out = np.empty_like(values)
     for column in range(values.shape[1]):
-        value = np.where(kept, values[:, column], 0.0)
-        mean = np.bincount(line, value * weight, len(number)) / number
-        slope = np.bincount(line, value * along * weight, len(number)) / spread
+        value, t = (np.where(drawn, each, 0.0) for each in (values[:, column], along))
+        mean = np.bincount(line, value, len(number)) / number
+        slope = np.bincount(line, value * t, len(number)) / spread
         out[:, column] = values[:, column] - mean[line] - slope[line] * along
     return out

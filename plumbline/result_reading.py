@@ -7,9 +7,9 @@ point at something.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,8 @@ from plumbline.models import get_model
 from plumbline.observations import Line, Observations, Origin, Photo
 from plumbline.result_json import FORMAT_VERSION
 from plumbline.suspect import KINDS, Suspect
+
+T = TypeVar("T")
 
 _AGAIN = "fit again: plumbline fit POINTS -o result.json"
 _TEXTS = ("maker", "model", "camera", "mount", "projection")
@@ -80,9 +82,56 @@ def _not_finite(name: str) -> float:
 
 def _calibration(data: Mapping[str, Any]) -> Calibration:
     stored = data["observations"]
+    observations = _observations(stored)
+    sizes = [len(line.points_px) for line in observations.lines]
+    residuals_px = tuple(_residuals(line["residuals_px"]) for line in stored["lines"])
+    if [len(values) for values in residuals_px] != sizes:
+        raise ValueError("the residuals do not fit the points")
+    every = zip(stored["lines"], residuals_px, strict=True)
+    kept = tuple(_kept(line.get("left_out", []), values) for line, values in every)
+    if not any(which.any() for which in kept):
+        raise ValueError("every pick is left out")
+    free = tuple(str(name) for name in data["free"])
+    lens = _lens(data, observations)
+    start = {str(name): _number(value) for name, value in data["start"].items()}
+    names = set(lens.coefficients)
+    if not set(free) <= names or len(set(free)) < len(free) or set(start) != names:
+        raise ValueError("the coefficients do not fit the model")
+    if data["residual"] not in ("image", "corrected"):
+        raise ValueError("the kind of residual is not known")
+    return Calibration(
+        observations=observations,
+        lens=lens,
+        free=free,
+        start=start,
+        residual=data["residual"],
+        covariance=_covariance(data["covariance"], free),
+        sigma_px=_size(data["sigma_px"]),
+        dof=_whole(data["dof"], least=1),
+        residuals_px=residuals_px,
+        rms_corrected_px=_size(data["rms_corrected_px"]),
+        converged=_truth(data["converged"]),
+        reason=str(data["reason"]),
+        remarks=tuple(str(note) for note in data["remarks"]),
+        kept=kept,
+        suspects=tuple(_suspect(each, sizes) for each in data.get("suspects", [])),
+        robust=_truth(data.get("robust", False)),
+        bootstrap=_bootstrap(data.get("bootstrap"), free),
+        command=str(data.get("command", "")),
+        version=str(data["plumbline"]),
+    )
+
+
+def _observations(stored: Mapping[str, Any]) -> Observations:
     observations = Observations(
         photos=tuple(
-            Photo(_pair(p["size"]), str(p["name"]), 0, _number(p["pixel_aspect"]), int(p["number"]))
+            Photo(
+                _pair(p["size"], int),
+                str(p["name"]),
+                0,
+                _number(p["pixel_aspect"]),
+                int(p["number"]),
+            )
             for p in stored["photos"]
         ),
         lines=tuple(
@@ -91,72 +140,41 @@ def _calibration(data: Mapping[str, Any]) -> Calibration:
         ),
         lenses=(_facts(stored["lens"]),),
     ).checked()
+    if not all(0 <= line.photo < len(observations.photos) for line in observations.lines):
+        raise ValueError("a line lies in no photo")
     origins = tuple(
         Origin(str(o["path"]), str(o["format"]), checksum=str(o.get("sha256", "")))
         for o in stored["origins"]
     )
-    residuals_px = tuple(_residuals(line["residuals_px"]) for line in stored["lines"])
-    kept = tuple(
-        _kept(line.get("left_out", []), len(values))
-        for line, values in zip(stored["lines"], residuals_px, strict=True)
-    )
-    sizes = [len(line.points_px) for line in observations.lines]
-    if [len(values) for values in residuals_px] != sizes:
-        raise ValueError("the residuals do not fit the points")
-    if not all(0 <= line.photo < len(observations.photos) for line in observations.lines):
-        raise ValueError("a line lies in no photo")
-    free = tuple(str(name) for name in data["free"])
-    model = get_model(str(data["model"]))
-    lens = Lens(
-        model,
+    notes = tuple(str(note) for note in stored["notes"])
+    return replace(observations, origins=origins, notes=notes)
+
+
+def _lens(data: Mapping[str, Any], observations: Observations) -> Lens:
+    return Lens(
+        get_model(str(data["model"])),
         observations.photos[0].frame,
         {str(name): _number(value) for name, value in data["coefficients"].items()},
         None if data["focal_px"] is None else _number(data["focal_px"]),
     )
-    covariance = _array(data["covariance"], 2)
-    names = set(lens.coefficients)
+
+
+def _covariance(values: Any, free: tuple[str, ...]) -> Array:
+    covariance = _array(values, 2)
     if covariance.shape != (len(free), len(free)) or np.any(np.diag(covariance) < 0):
         raise ValueError("the covariance does not fit the free coefficients")
-    start = {str(name): _number(value) for name, value in data["start"].items()}
-    if not set(free) <= names or len(set(free)) < len(free) or set(start) != names:
-        raise ValueError("the coefficients do not fit the model")
-    if data["residual"] not in ("image", "corrected") or not isinstance(data["converged"], bool):
-        raise ValueError("the kind of residual or the convergence is not known")
-    return Calibration(
-        observations=replace(
-            observations,
-            origins=origins,
-            notes=tuple(str(note) for note in stored["notes"]),
-        ),
-        lens=lens,
-        free=free,
-        start=start,
-        residual=data["residual"],
-        covariance=covariance,
-        sigma_px=_number(data["sigma_px"]),
-        dof=int(data["dof"]),
-        residuals_px=residuals_px,
-        rms_corrected_px=_number(data["rms_corrected_px"]),
-        converged=data["converged"],
-        reason=str(data["reason"]),
-        remarks=tuple(str(note) for note in data["remarks"]),
-        kept=kept,
-        suspects=tuple(_read_suspect(each, sizes) for each in data.get("suspects", [])),
-        robust=bool(data.get("robust", False)),
-        bootstrap=_read_bootstrap(data.get("bootstrap"), free),
-        command=str(data.get("command", "")),
-        version=str(data["plumbline"]),
-    )
+    return covariance
 
 
-def _read_bootstrap(data: Any, free: tuple[str, ...]) -> Bootstrap | None:
+def _bootstrap(data: Any, free: tuple[str, ...]) -> Bootstrap | None:
     if data is None:
         return None
-    covariance = _array(data["covariance"], 2)
-    intervals = _array([data["intervals"][name] for name in free], 2)
-    if covariance.shape != (len(free), len(free)) or intervals.shape != (len(free), 2):
+    if set(data["intervals"]) != set(free):
         raise ValueError("the bootstrap does not fit the free coefficients")
-    return Bootstrap(int(data["fits"]), int(data["failed"]), covariance, intervals)
+    intervals = _array([_pair(data["intervals"][name], _number) for name in free], 2)
+    covariance = _covariance(data["covariance"], free)
+    fits, failed = (_whole(data[name], least=0) for name in ("fits", "failed"))
+    return Bootstrap(fits, failed, covariance, intervals)
 
 
 def _residuals(values: Any) -> Array:
@@ -165,36 +183,65 @@ def _residuals(values: Any) -> Array:
     return np.array(known, dtype=np.float64)
 
 
-def _kept(left_out: Any, n: int) -> NDArray[np.bool_]:
-    kept = np.ones(n, dtype=np.bool_)
-    for place in left_out:
-        if not 0 <= int(place) < n:
-            raise ValueError("a pick is left out that there is not")
-        kept[int(place)] = False
+def _kept(left_out: Any, residuals_px: Array) -> NDArray[np.bool_]:
+    kept = np.ones(len(residuals_px), dtype=np.bool_)
+    kept[_places(left_out, len(kept))] = False
+    if not np.all(np.isfinite(residuals_px[kept])):
+        raise ValueError("a pick without a residual is not left out")
     return kept
 
 
-def _read_suspect(data: Mapping[str, Any], sizes: Sequence[int]) -> Suspect:
-    line, picks = int(data["line"]), tuple(int(place) for place in data["picks"])
-    if not 0 <= line < len(sizes) or not all(0 <= place < sizes[line] for place in picks):
-        raise ValueError("a pick is suspected that there is not")
+def _places(values: Any, n: int) -> list[int]:
+    """Which of a line's n picks."""
+    if not isinstance(values, list):
+        raise TypeError("places of picks are no list")
+    places = [_whole(value, least=0) for value in values]
+    if not all(place < n for place in places):
+        raise ValueError("a pick is named that there is not")
+    return places
+
+
+def _suspect(data: Mapping[str, Any], sizes: Sequence[int]) -> Suspect:
+    line = _whole(data["line"], least=0)
+    picks = tuple(_places(data["picks"], sizes[line]))
+    if not picks:
+        raise ValueError("a suspect is no pick at all")
     if data["kind"] not in KINDS:
         raise ValueError(f"there is no kind of suspect {data['kind']!r}")
-    size, away = data["studentised"], data["residual_px"]
+    away, size = data["residual_px"], data["studentised"]
     return Suspect(
         line,
         picks,
         data["kind"],
         np.inf if away is None else _number(away),
         np.inf if size is None else _number(size),
-        bool(data["left_out"]),
+        _truth(data["left_out"]),
         str(data["sentence"]),
     )
 
 
-def _pair(values: Any) -> tuple[int, int]:
-    width, height = values
-    return int(width), int(height)
+def _truth(value: Any) -> bool:
+    if not isinstance(value, bool):
+        raise TypeError(f"{value!r} is neither true nor false")
+    return value
+
+
+def _whole(value: Any, *, least: int) -> int:
+    if not isinstance(value, int) or isinstance(value, bool) or not least <= value <= _MOST:
+        raise ValueError(f"{value!r} is no whole number from {least} on")
+    return value
+
+
+def _size(value: Any) -> float:
+    number = _number(value)
+    if number < 0:
+        raise ValueError(f"{number:g} is negative")
+    return number
+
+
+def _pair(values: Any, of: Callable[[Any], T]) -> tuple[T, T]:
+    first, second = values
+    return of(first), of(second)
 
 
 def _array(values: Any, dimensions: int) -> Array:

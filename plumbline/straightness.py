@@ -59,6 +59,12 @@ def by_line(values: NDArray[_T], sizes: NDArray[np.int64]) -> tuple[NDArray[_T],
     return tuple(values[end - size : end] for end, size in zip(ends, sizes.tolist(), strict=True))
 
 
+def drawn_through(kept: NDArray[np.bool_], sizes: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Which points lines are drawn through, (n,): the kept ones, or all of a line without any."""
+    none = np.add.reduceat(kept.astype(np.int64), np.cumsum(sizes) - sizes) == 0
+    return kept | np.repeat(none, sizes)
+
+
 def fit_lines(points: Array, sizes: NDArray[np.int64], weight: Array) -> Lines:
     """Fit lines by orthogonal least squares.
 
@@ -102,13 +108,15 @@ def straightness_before(
 
     Args:
         observations: The picks.
-        kept: Which points of each line its straight line is fitted to; all by default.
+        kept: Which points of each line its straight line is fitted to; all by default, and of a
+            line that kept none.
     """
     frames = [photo.frame for photo in observations.photos]
     points = np.concatenate(
         [frames[line.photo].normalise(line.points_px, 1.0) for line in observations.lines]
     )
     sizes = np.array([len(line.points_px) for line in observations.lines], dtype=np.int64)
-    weight = np.ones(len(points)) if kept is None else np.concatenate(kept).astype(np.float64)
-    away = fit_lines(points, sizes, weight).place(points, line_numbers(sizes))[1]
-    return by_line(away, sizes)
+    every = np.ones(len(points), dtype=np.bool_)
+    drawn = every if kept is None else drawn_through(np.concatenate(kept), sizes)
+    lines = fit_lines(points, sizes, drawn.astype(np.float64))
+    return by_line(lines.place(points, line_numbers(sizes))[1], sizes)

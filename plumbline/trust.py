@@ -19,6 +19,8 @@ from plumbline.frame import Array
 from plumbline.lens import Lens
 from plumbline.linearised import Linearised
 
+_SINGULAR = 1e-12
+
 
 @dataclass(frozen=True, eq=False)
 class Jackknife:
@@ -79,35 +81,34 @@ def model_error(
 ) -> ModelError | None:
     """The largest difference to the next richer model over the photo.
 
-    One Gauss–Newton step with the terms of `richer_powers` added.
+    One Gauss–Newton step with the terms of `Model.richer` added, less one without them.
 
     Returns:
         None where the picks cannot tell the added terms, or the model folds inside the photo.
     """
     powers = lens.model.richer(free)
-    points = grid_px(lens)
-    moved = motions(lens, free, points, powers)
-    if moved is None:
-        return None
+    moved = motions(lens, free, grid_px(lens), powers)
     design = np.concatenate((linear.jacobian, linear.extra), axis=1)[linear.kept]
+    unit = _inverse_normal(design)
+    if moved is None or unit is None:
+        return None
+    k, residual_px = len(free), linear.residual_px[linear.kept]
+    step = -unit @ (design.T @ residual_px)
+    step[:k] += np.linalg.pinv(linear.normal) @ (design[:, :k].T @ residual_px)
+    size = np.hypot(*np.einsum("nik,k->in", moved, step))
+    worst = int(np.argmax(size))
+    effect = moved[worst] @ unit[:, k:] @ np.linalg.inv(unit[k:, k:])
+    variance = np.trace(effect @ (sigma_px**2 * unit[k:, k:]) @ effect.T)
+    added = " and ".join(f"r^{power}" for power in powers)
+    return ModelError(float(size[worst]), float(np.sqrt(variance)), added)
+
+
+def _inverse_normal(design: Array) -> Array | None:
+    """(JᵀJ)⁻¹, or None where the columns of J, shape (n, k), cannot be told apart."""
     scale = np.sqrt(np.sum(design**2, axis=0))
     if len(design) <= design.shape[1] or np.any(scale <= 0):
         return None
     values, vectors = np.linalg.eigh((design / scale).T @ (design / scale))
-    if values[0] <= 1e-12:
+    if values[0] <= _SINGULAR:
         return None
-    unit = (vectors / values) @ vectors.T / np.outer(scale, scale)
-    step = -unit @ (design.T @ linear.residual_px[linear.kept])
-    k = linear.jacobian.shape[1]
-    # What the added terms move, beyond what the coefficients there are would have been anyway.
-    narrow = -np.linalg.pinv(linear.normal) @ (
-        linear.jacobian[linear.kept].T @ linear.residual_px[linear.kept]
-    )
-    shift = np.einsum("nik,k->ni", moved, step) - np.einsum("nik,k->ni", moved[:, :, :k], narrow)
-    size = np.hypot(*shift.T)
-    worst = int(np.argmax(size))
-    extra = unit[:, k:] @ np.linalg.inv(unit[k:, k:])
-    effect = moved[worst] @ extra
-    variance = np.trace(effect @ (sigma_px**2 * unit[k:, k:]) @ effect.T)
-    added = " and ".join(f"r^{power}" for power in powers)
-    return ModelError(float(size[worst]), float(np.sqrt(variance)), added)
+    return (vectors / values) @ vectors.T / np.outer(scale, scale)

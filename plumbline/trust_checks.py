@@ -30,8 +30,10 @@ def after_fit(made: Calibration) -> tuple[Check, ...]:
 def _condition(made: Calibration) -> Check:
     normal = made.linearised.normal
     scale = np.sqrt(np.diag(normal))
-    values = np.linalg.eigvalsh(normal / np.outer(scale, scale))
-    number = float(np.sqrt(values[-1] / max(float(values[0]), 1e-300)))
+    square = np.outer(scale, scale)
+    balanced = np.divide(normal, square, out=np.zeros_like(normal), where=square > 0)
+    least, most = np.linalg.eigvalsh(balanced)[[0, -1]].tolist()
+    number = float(np.sqrt(most / least)) if least > 0 else float("inf")
     finding = f"condition number of the problem {number:,.0f}"
     if number <= _CONDITION:
         return Check("condition", True, finding)
@@ -114,12 +116,16 @@ def _suspects(made: Calibration) -> Check:
     n_points = made.observations.n_points
     if not made.suspects:
         return Check("suspects", True, f"none of the {count(n_points, 'pick')} is suspicious")
+    oddities = "1 oddity" if odd == 1 else f"{odd:,} oddities"
+    if not out:
+        finding = f"{oddities} (a bent line or a place picked twice) on the lines"
+        return Check("suspects", False, finding, "look at each of them")
+    finding, remedy = f"{count(out, 'pick')} of {n_points:,} ", "look at each of them"
     if made.robust:
-        finding = f"{count(out, 'pick')} of {n_points:,} left out as suspicious"
-        remedy = "look at each of them"
+        finding += "left out as suspicious"
     else:
-        finding = f"{count(out, 'pick')} of {n_points:,} {'is' if out == 1 else 'are'} suspicious"
+        finding += "is suspicious" if out == 1 else "are suspicious"
         remedy = "look at them, or leave them out with --robust"
     if odd:
-        finding += f", and {count(odd, 'other oddity' if odd == 1 else 'other odditie')}"
+        finding += f", and {oddities} besides (a bent line or a place picked twice)"
     return Check("suspects", False, finding, remedy)

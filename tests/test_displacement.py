@@ -8,11 +8,15 @@ import numpy as np
 import pytest
 
 import plumbline
-from plumbline.displacement import displacement_errors, grid_px
+from plumbline import calibrate
+from plumbline.displacement import difference_px, displacement_errors, grid_px
 from plumbline.frame import Array, Frame
 from plumbline.lens import Lens
 from plumbline.models import get_model
+from tests import truth
 from tests.benchmarks.lensfun_recovery import Entry, ideal_corner, lines_of
+from tests.fit.test_calibrate import picked
+from tests.truth import TrueLens
 
 ENTRY = Entry("a wide zoom", (0.0244, -0.0649, 0.0015), 1.5)
 NOISE_PX = 0.4
@@ -58,9 +62,9 @@ def test_errors_are_the_scatter_of_repeated_fits(free: tuple[str, ...]) -> None:
     # 256 repeats tell a standard deviation to 4.4 %; σ̂ itself scatters within one fit.
     assert np.all(np.abs(mean - scatter) < 0.15 * scatter + 1e-3)
     assert np.max(scatter) > 0.3
-    corners = [0, 8, 72, 80]
-    worst = np.mean([each.corner_error_px or 0.0 for each in made])
-    assert worst == pytest.approx(np.max(scatter[corners]), rel=0.2)
+    told = [each.displacement for each in made]
+    worst = np.mean([each.worst_px for each in told if each is not None])
+    assert worst == pytest.approx(np.max(scatter), rel=0.2)
 
 
 def test_no_error_is_told_where_the_model_folds() -> None:
@@ -76,6 +80,75 @@ def test_no_error_is_told_where_the_model_folds() -> None:
     folding = replace(
         made, lens=replace(made.lens, coefficients=made.coefficients | {"a": 0.0, "b": -0.35})
     )
-    assert made.corner_error_px is not None
-    assert folding.corner_error_px is None
+    assert made.displacement is not None
+    assert folding.displacement is None
+    assert folding.quoted_displacement is None
+    assert folding.model_error is None
     assert folding.finding.folds_at_px is not None
+    (told,) = [check for check in folding.checks if check.name == "correction"]
+    assert not told.passed
+    assert "folds inside the photo" in told.sentence
+
+
+def test_a_common_scale_is_no_error() -> None:
+    """poly3 and poly5 with k1 alone are one curve in two gauges, 1 − k1 apart in scale."""
+    obs = picked(TrueLens("poly3", {"k1": -0.06}), noise_px=0.5)
+    three, five = (calibrate(obs, name, free=("k1",)) for name in ("poly3", "poly5"))
+    k1 = three.coefficients["k1"]
+    assert five.coefficients["k1"] == pytest.approx(k1 / (1 - k1) ** 3, rel=1e-6)
+    assert three.displacement is not None
+    assert five.displacement is not None
+    ratio = five.displacement.errors_px / three.displacement.errors_px
+    np.testing.assert_allclose(np.delete(ratio, 40), 1 - k1, rtol=1e-5)  # the centre's is 0
+    assert three.displacement.worst_at == five.displacement.worst_at
+    at = three.displacement.worst_at
+    assert at in [(0.0, 0.0), (2999.0, 0.0), (0.0, 2249.0), (2999.0, 2249.0)]
+
+
+def test_a_perspective_is_no_error_where_lines_cannot_see_it() -> None:
+    """With p1 and p2 free, the scatter of 96 fits after the best homography."""
+    true = TrueLens("brown", {"k1": -0.05, "k2": 0.01, "p1": 0.002, "p2": -0.001})
+    free = ("k1", "k2", "p1", "p2")
+    clean, rng = true.lines(), np.random.default_rng(6)
+    made = [
+        calibrate(
+            plumbline.Observations.from_arrays(
+                [line + rng.normal(0, 0.5, line.shape) for line in clean], true.size
+            ),
+            "brown",
+            free=free,
+        )
+        for _ in range(96)
+    ]
+    points = grid_px(made[0].lens)
+    want = true.undistort(points)
+    place = (want - want.mean(axis=0)) / 1000
+    x, y = place.T
+    one, none = np.ones_like(x), np.zeros_like(x)
+    motions = [(one, none), (none, one), (x, none), (none, x), (y, none), (none, y)]
+    motions += [(x * x, x * y), (x * y, y * y)]
+    design = np.stack([np.stack(m, axis=-1).ravel() for m in motions], axis=-1)
+    gaps = np.stack([(each.lens.undistort(points) - want).ravel() for each in made], axis=-1)
+    gaps -= design @ np.linalg.lstsq(design, gaps, rcond=None)[0]
+    scatter = np.sqrt(np.mean(np.sum(gaps.reshape(-1, 2, 96) ** 2, axis=1), axis=1))
+    told = [each.displacement.errors_px for each in made if each.displacement is not None]
+    assert len(told) == 96
+    # 96 repeats tell a standard deviation to 7 %.
+    np.testing.assert_allclose(np.mean(told, axis=0), scatter, rtol=0.25)
+
+
+def test_two_lenses_differ_by_what_lines_can_tell() -> None:
+    zero = dict.fromkeys("abcde", 0.0)
+    frame = Frame(3000, 2250)
+    one = Lens(get_model("ptlens"), frame, zero | {"b": -0.05})
+    moved = Lens(get_model("ptlens"), frame, zero | {"b": -0.05, "d": 4.0, "a": 0.01})
+    grid = grid_px(one)
+    want = truth.unlike_px(one.undistort(grid), moved.undistort(grid))
+    found = difference_px(moved, one, grid, perspective=False)
+    assert found == pytest.approx(want, rel=0.02)
+    assert want > 2
+    assert difference_px(moved, one, grid, perspective=True) < found
+    tilted = truth.unlike_px(one.undistort(grid), moved.undistort(grid), perspective=True)
+    assert difference_px(moved, one, grid, perspective=True) == pytest.approx(tilted, rel=0.1)
+    folding = Lens(get_model("ptlens"), frame, zero | {"b": -0.35})
+    assert difference_px(one, folding, grid, perspective=False) == float("inf")

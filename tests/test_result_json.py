@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import hashlib
 import json
 from collections.abc import Iterator
 from dataclasses import replace
@@ -14,8 +15,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
+from scipy import stats
 
 import plumbline
+from plumbline.bootstrap import Bootstrap
 from plumbline.calibration import Calibration
 from plumbline.errors import ReadError
 from plumbline.facts import LensFacts
@@ -23,7 +26,9 @@ from plumbline.frame import Frame
 from plumbline.lens import Lens
 from plumbline.models import get_model
 from plumbline.observations import Line, Observations, Origin, Photo
-from plumbline.result_reading import from_json, to_json
+from plumbline.result_json import to_json
+from plumbline.result_reading import from_json
+from plumbline.suspect import Suspect
 
 THIRD = 1 / 3
 
@@ -48,7 +53,7 @@ def calibration(free: tuple[str, ...] = ("a", "b"), label: str = "t3") -> Calibr
     observations = Observations(
         photos, lines, (facts,), (), (Origin("folder/x.pto", "pto", b"i w100 h80"),)
     )
-    values = {"a": 0.1 + 0.2, "b": -THIRD * 0.1, "c": 5e-324, "d": 1.5, "e": -0.0}
+    values = {"a": 0.1 + 0.02, "b": -THIRD * 0.1, "c": 5e-324, "d": 1.5, "e": -0.0}
     size = len(free)
     return Calibration(
         observations=observations,
@@ -59,11 +64,19 @@ def calibration(free: tuple[str, ...] = ("a", "b"), label: str = "t3") -> Calibr
         covariance=np.eye(size) * 1e-5 + 1e-6 * THIRD,
         sigma_px=0.1,
         dof=1,
-        residuals_px=(np.array([0.1, -0.2, THIRD]), np.array([1e-17, 0, 2])),
+        residuals_px=(np.array([0.1, -0.2, np.inf]), np.array([1e-17, 0, 2])),
         rms_corrected_px=0.7,
         converged=False,
         reason="the fit stopped",
         remarks=("first note", "zweite „Notiz“"),
+        kept=(np.array([True, True, False]), np.ones(3, dtype=np.bool_)),
+        suspects=(
+            Suspect(0, (2,), "stray", np.inf, np.inf, True, "pick 3 of line t3, „fort“"),
+            Suspect(1, (0, 2), "duplicate", THIRD, 1.25, False, "picks 1 and 3"),
+        ),
+        robust=True,
+        bootstrap=Bootstrap(90, 10, np.eye(size) * 2e-5, np.full((size, 2), THIRD)),
+        command="plumbline fit x.pto --robust",
     )
 
 
@@ -93,7 +106,15 @@ def test_the_documented_names() -> None:
         "rms_corrected_px",
         "largest_before_px",
         "largest_after_px",
-        "corner_error_px",
+        "intervals",
+        "displacement",
+        "jackknife",
+        "bootstrap",
+        "model_error",
+        "robust",
+        "checks",
+        "suspects",
+        "command",
         "converged",
         "reason",
         "finding",
@@ -104,15 +125,49 @@ def test_the_documented_names() -> None:
         "observations",
     }
     assert (found["format"], found["format_version"]) == ("plumbline calibration", 1)
-    assert found["coefficients"]["a"] == 0.1 + 0.2
+    assert found["coefficients"]["a"] == 0.1 + 0.02
     assert found["standard_errors"] == {
         name: pytest.approx((1e-5 + 1e-6 / 3) ** 0.5, rel=1e-14) for name in "ab"
     }
-    distances = np.concatenate([_off_straight(line) for line in calibration().observations.lines])
+    first, second = calibration().observations.lines  # the third pick of the first is left out
+    distances = np.concatenate(([0.0, 0.0], _off_straight(second)))
+    assert first.points_px.shape == (3, 2)
     assert found["rms_before_px"] == pytest.approx(np.sqrt(np.mean(distances**2)), rel=1e-9)
     assert found["largest_before_px"] == pytest.approx(np.max(np.abs(distances)), rel=1e-9)
     assert found["largest_after_px"] == 2
     assert [line["label"] for line in found["lines"]] == ["t3", "zwei, „größer“"]
+    t = stats.t.ppf(0.975, 1)
+    for name, (low, high) in found["intervals"].items():
+        error, value = found["standard_errors"][name], found["coefficients"][name]
+        assert (low, high) == pytest.approx((value - t * error, value + t * error), rel=1e-9)
+    bootstrap = found["bootstrap"]
+    assert set(bootstrap) == {"fits", "failed", "covariance", "intervals", "largest_px"}
+    assert bootstrap["intervals"] == {"a": [THIRD, THIRD], "b": [THIRD, THIRD]}
+    assert (bootstrap["fits"], bootstrap["failed"]) == (90, 10)
+    stray, twice = found["suspects"]
+    assert stray == {
+        "line": 0,
+        "label": "t3",
+        "picks": [2],
+        "kind": "stray",
+        "residual_px": None,
+        "studentised": None,
+        "left_out": True,
+        "sentence": "pick 3 of line t3, „fort“",
+    }
+    assert (twice["residual_px"], twice["studentised"], twice["picks"]) == (THIRD, 1.25, [0, 2])
+    assert [line["left_out"] for line in found["observations"]["lines"]] == [[2], []]
+    assert found["observations"]["lines"][0]["residuals_px"] == [0.1, -0.2, None]
+    assert found["observations"]["origins"] == [
+        {
+            "path": "folder/x.pto",
+            "format": "pto",
+            "sha256": hashlib.sha256(b"i w100 h80").hexdigest(),
+        }
+    ]
+    assert (found["command"], found["robust"]) == ("plumbline fit x.pto --robust", True)
+    for check in found["checks"]:
+        assert set(check) == {"name", "passed", "finding", "remedy"}
     assert set(found["finding"]) == {"kind", "percent", "corner_px", "folds_at_px"}
     assert set(found["observations"]) == {"lens", "photos", "lines", "origins", "notes"}
 
@@ -139,6 +194,17 @@ def test_there_and_back_is_exact(count: int, tmp_path: Path) -> None:
             assert (one.label, one.photo) == (two.label, two.photo)
         assert (new.notes, new.reason, new.converged) == (old.notes, old.reason, old.converged)
         assert (new.sigma_px, new.dof) == (old.sigma_px, old.dof)
+        assert [v.tolist() for v in new.kept] == [v.tolist() for v in old.kept]
+        assert new.suspects == old.suspects
+        assert (new.robust, new.command, new.version) == (True, old.command, old.version)
+        assert new.bootstrap is not None
+        assert old.bootstrap is not None
+        assert new.bootstrap.covariance.tolist() == old.bootstrap.covariance.tolist()
+        assert new.bootstrap.intervals.tolist() == old.bootstrap.intervals.tolist()
+        assert (new.bootstrap.fits, new.bootstrap.failed) == (90, 10)
+        assert [o.sha256 for o in new.observations.origins] == [
+            o.sha256 for o in old.observations.origins
+        ]
     path = plumbline.write(made, tmp_path / "x.json")
     assert plumbline.read_calibrations(path)[0].coefficients == made[0].coefficients
 
@@ -175,7 +241,13 @@ DERIVED = {
     "lines",
     "notes",
     "before_px",
-    "corner_error_px",
+    "intervals",
+    "displacement",
+    "jackknife",
+    "model_error",
+    "checks",
+    "largest_px",
+    "label",
 }
 
 
@@ -227,12 +299,18 @@ REPLACEMENTS: list[Any] = [
 ]
 
 
+LATER = (
+    *("exif_make", "exif_model", "suspects", "robust", "bootstrap", "command"),
+    *("left_out", "sha256"),
+)
+
+
 @pytest.mark.parametrize("path", list(places(WHOLE)), ids=lambda path: ".".join(map(str, path)))
 def test_every_value_deleted_or_replaced(path: tuple[Any, ...]) -> None:
     whole = copy.deepcopy(WHOLE)
     del parent(whole, path)[path[-1]]
     error = damaged(whole)
-    later = path[-1] in ("exif_make", "exif_model")  # older files lack them
+    later = path[-1] in LATER  # older files lack them
     if isinstance(path[-1], str) and "stored" not in path[:-1] and not later:
         assert error is not None
     assert error is None or (error.message.startswith("x.json: ") and error.hint)
@@ -323,6 +401,33 @@ def change(path: str, value: Any) -> dict[str, Any]:
         ("observations.lines.0.residuals_px", [0.5, 0.5]),
         ("observations.photos.0.size", [0, 80]),
         ("observations.photos", []),
+        ("observations.lines.0.residuals_px", [0.5, 0.5, float("inf")]),
+        ("observations.lines.0.residuals_px", [None, 0.5, 0.5]),
+        ("observations.lines.0.left_out", [3]),
+        ("observations.lines.0.left_out", [-1]),
+        ("observations.lines.0.left_out", ["x"]),
+        ("observations.lines.0.left_out", 2),
+        ("dof", 0),
+        ("dof", -3),
+        ("sigma_px", -0.1),
+        ("suspects.0.line", 2),
+        ("suspects.0.line", -1),
+        ("suspects.0.picks", [3]),
+        ("suspects.0.picks", [-1]),
+        ("suspects.0.picks", []),
+        ("suspects.0.picks", "2"),
+        ("suspects.0.kind", "nonsense"),
+        ("suspects.0.kind", ["stray"]),
+        ("suspects.0.left_out", "no"),
+        ("suspects", {"line": 0}),
+        ("robust", "no"),
+        ("bootstrap.covariance", [[1.0]]),
+        ("bootstrap.covariance.0.0", -1.0),
+        ("bootstrap.intervals", {"a": [0, 1]}),
+        ("bootstrap.intervals.a", [0, 1, 2]),
+        ("bootstrap.fits", -1),
+        ("bootstrap.failed", -1),
+        ("bootstrap", 7),
     ],
 )
 def test_contradictions_are_found(path: str, value: Any) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import re
 import xml.etree.ElementTree as ET
@@ -291,7 +292,9 @@ def test_odd_file_names_do_not_break_the_profile(name: str) -> None:
     assert xml(calibration(facts=facts, origin=Origin(name + ".csv", "csv", b"x")))
     assert json.loads(
         result_bytes([calibration(origin=Origin(name, "csv", b"x"))], Path("x.json"))
-    )["observations"]["origins"] == [{"path": name, "format": "csv"}]
+    )["observations"]["origins"] == [
+        {"path": name, "format": "csv", "sha256": hashlib.sha256(b"x").hexdigest()}
+    ]
 
 
 def test_existing_files(tmp_path: Path) -> None:

@@ -96,9 +96,9 @@ def _resampled(made: Calibration, problem: Problem, rng: np.random.Generator) ->
     across = np.einsum("nij,ni->nj", ideal.stretch, lines.across[linear.line])
     across = across / np.hypot(*across.T)[:, None] / problem.blank.unit_px
     block, cells = problem.packed.block, problem.packed.cells
-    xy = problem.packed.unpack(block.xy)
-    fitted = xy - np.where(linear.kept, linear.image_px, 0.0)[:, None] * across
     rows = np.flatnonzero(linear.kept)
+    fitted = problem.packed.unpack(block.xy)
+    fitted[rows] -= linear.image_px[rows, None] * across[rows]
     starts = np.searchsorted(linear.line[rows], np.arange(linear.n_lines))
     counts = np.bincount(linear.line[rows], minlength=linear.n_lines)
     of_line = linear.line[rows]

@@ -142,21 +142,35 @@ def _finished(
 
 
 def _judged(
-    problem: Problem, solution: Solution, found: Robust | None, *, robust: bool
+    problem: Problem,
+    solution: Solution,
+    found: Robust | DegenerateLinesError | None,
+    *,
+    robust: bool,
 ) -> Calibration:
     """The plain or the robust fit, with the suspects that the robust one names."""
     if found is None:
         return replace(finish(problem, solution), robust=robust)
     if robust:
-        believed = finish(found.problem, found.solution)
-        return replace(believed, suspects=suspects_of(believed, found), robust=True)
+        return replace(_with_suspects(found), robust=True)
     plain = finish(problem, solution)
     try:
-        believed = plain if found.problem is problem else finish(found.problem, found.solution)
+        return replace(plain, suspects=_with_suspects(found).suspects)
     except DegenerateLinesError as error:
         note = f"which picks are wrong cannot be told: without the suspicious ones {error.message}"
         return replace(plain, remarks=(*plain.remarks, note))
-    return replace(plain, suspects=suspects_of(believed, found))
+
+
+def _with_suspects(found: Robust | DegenerateLinesError) -> Calibration:
+    """The robust fit and what it suspects.
+
+    Raises:
+        DegenerateLinesError: the picks that can be believed do not determine the lens.
+    """
+    if isinstance(found, DegenerateLinesError):
+        raise found
+    believed = finish(found.problem, found.solution)
+    return replace(believed, suspects=suspects_of(believed, found))
 
 
 @contextmanager

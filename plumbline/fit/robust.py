@@ -86,7 +86,9 @@ class Robust:
     screened: Screened
 
 
-def robust_fits(problems: Sequence[Problem], solutions: Sequence[Solution]) -> list[Robust | None]:
+def robust_fits(
+    problems: Sequence[Problem], solutions: Sequence[Solution]
+) -> list[Robust | DegenerateLinesError | None]:
     """Robust fits of problems of one model.
 
     Args:
@@ -94,13 +96,14 @@ def robust_fits(problems: Sequence[Problem], solutions: Sequence[Solution]) -> l
         solutions: Their plain fits.
 
     Returns:
-        None where nothing is suspicious and the plain fit is the robust one.
+        None where nothing is suspicious and the plain fit is the robust one; an error where the
+        picks that can be believed are too few.
     """
     picks = picks_at(problems, solutions)
     screened = screen(picks, glance=True)
     spoiled = np.bincount(picks.problem, ~screened.kept, len(problems)) > 0
     odd = _odd(picks, screened)
-    made: list[Robust | None] = []
+    made: list[Robust | DegenerateLinesError | None] = []
     for index, (problem, solution) in enumerate(zip(problems, solutions, strict=True)):
         plain_px = float(np.sqrt(np.sum(solution.residual**2) / problem.dof))
         wild = not plain_px < _WILD * problem.blank.frame.radius_px
@@ -129,7 +132,9 @@ def _odd(picks: Picks, screened: Screened) -> NDArray[np.bool_]:
     return odd
 
 
-def _best(found: Sequence[Robust | None]) -> Robust | None:
+def _best(
+    found: Sequence[Robust | DegenerateLinesError | None],
+) -> Robust | DegenerateLinesError | None:
     """The likeliest fit: good picks scatter by σ, wrong ones anywhere within a tenth of R."""
 
     def unlikely(each: Robust) -> float:
@@ -141,11 +146,11 @@ def _best(found: Sequence[Robust | None]) -> Robust | None:
             wrong_px
         )
 
-    fits = [each for each in found if each is not None]
-    return min(fits, key=unlikely) if fits else None
+    fits = [each for each in found if isinstance(each, Robust)]
+    return min(fits, key=unlikely) if fits else found[0]
 
 
-def _fit(problem: Problem, kept: NDArray[np.bool_]) -> Robust | None:
+def _fit(problem: Problem, kept: NDArray[np.bool_]) -> Robust | DegenerateLinesError | None:
     """Decide lens and picks in turn, from a first belief."""
     seen: list[NDArray[np.bool_]] = []
     found: Robust | None = None
@@ -154,8 +159,8 @@ def _fit(problem: Problem, kept: NDArray[np.bool_]) -> Robust | None:
         seen.append(kept)
         try:
             believed = problem.keeping(kept)
-        except DegenerateLinesError:
-            return found
+        except DegenerateLinesError as error:
+            return found or error
         solution = solve(problem.model, believed.task)
         picks = picks_at([problem], [solution])
         found = Robust(believed, solution, picks, screen(picks))
@@ -190,8 +195,8 @@ def _lost(picks: Picks, screened: Screened) -> NDArray[np.bool_]:
     n = len(picks.sizes)
     counts = np.bincount(picks.line, screened.kept, n)
     lost = counts < 3
-    for line in np.flatnonzero(2 * counts <= picks.sizes).tolist():
-        lost[line] |= _by_chance(picks, screened, line) > _CHANCE
+    for line in np.flatnonzero(~lost & (2 * counts <= picks.sizes)).tolist():
+        lost[line] = _by_chance(picks, screened, line) > _CHANCE
     for line in np.flatnonzero(~lost & (counts + 3 <= picks.sizes)).tolist():
         mine = np.flatnonzero((picks.line == line) & screened.kept)
         for other in np.flatnonzero(~lost & (counts >= counts[line])).tolist():

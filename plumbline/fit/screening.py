@@ -147,7 +147,7 @@ def least_median_lines(
         The lines, and the median distance of each in pixels of the photograph, shape (l,).
     """
     starts = np.cumsum(sizes) - sizes
-    (xx, xy), (yx, yy) = np.moveaxis(ideal.stretch, 0, -1)
+    xx, xy, yx, yy = ideal.stretch.reshape(-1, 4).T
     area = np.abs(xx * yy - xy * yx)
     scale = np.sqrt(np.where(area > 0, area, np.inf))
     origin, along = np.zeros((len(sizes), 2)), np.zeros((len(sizes), 2))

@@ -208,7 +208,7 @@ def refuse_bent(
             f"the picks lie on no straight lines: even after the fit they stray by {sigma_px:,.0f} "
             f"px, those of line {labels[worst]} by {spread[worst]:,.0f} px",
             hint="check that every pick is on its line, and that the photo's size (and --grid) is "
-            "right; --robust leaves out and lists picks that are wrong",
+            "right; --robust leaves single wrong picks out",
         )
 
 

@@ -9,7 +9,8 @@ by Newton steps on (1). Everything here needs only the array's own operations an
 namespace, so it runs on NumPy and JAX arrays alike, and nothing here imports JAX.
 
 To add a model: write one file with a frozen subclass of `Model` that gives `factor` and
-`slope`; name its coefficients, direction, gauge and unit; add its row to `MODELS` in
+`slope`; name its coefficients, direction, gauge and unit, and its powers of r where they are not
+2, 4, …; add its row to `MODELS` in
 `plumbline/models/__init__.py`. The property tests find it there.
 """
 
@@ -49,14 +50,14 @@ class Model(ABC):
     tangential: ClassVar[tuple[str, ...]] = ()
 
     @property
-    @abstractmethod
     def powers(self) -> tuple[int, ...]:
-        """Power of r in the factor for each radial coefficient, in the coefficients' order."""
+        """Power of r for each radial coefficient, in their order; even ones for most models."""
+        return tuple(2 * (i + 1) for i in range(len(self.radial)))
 
     @property
-    @abstractmethod
     def next_powers(self) -> tuple[int, ...]:
         """Powers of r that the next richer model has besides."""
+        return (max(self.powers) + 2,)
 
     @property
     def radial(self) -> tuple[str, ...]:

@@ -37,16 +37,6 @@ class Brown(Model):
         """k1, k2, k3, p1, p2."""
         return "k1", "k2", "k3", "p1", "p2"
 
-    @property
-    def powers(self) -> tuple[int, ...]:
-        """2, 4, 6."""
-        return 2, 4, 6
-
-    @property
-    def next_powers(self) -> tuple[int, ...]:
-        """8."""
-        return (8,)
-
     def factor(self, r: Any, c: Any) -> Any:
         """1 + k1 r² + k2 r⁴ + k3 r⁶."""
         return even(r, c[0], c[1], c[2])

@@ -34,16 +34,6 @@ class Division(Model):
         """l1, l2."""
         return "l1", "l2"
 
-    @property
-    def powers(self) -> tuple[int, ...]:
-        """2, 4."""
-        return 2, 4
-
-    @property
-    def next_powers(self) -> tuple[int, ...]:
-        """6."""
-        return (6,)
-
     def factor(self, r: Any, c: Any) -> Any:
         """1 / (1 + l1 r² + l2 r⁴)."""
         return 1.0 / even(r, c[0], c[1])

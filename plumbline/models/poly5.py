@@ -30,16 +30,6 @@ class Poly5(Model):
         """k1, k2."""
         return "k1", "k2"
 
-    @property
-    def powers(self) -> tuple[int, ...]:
-        """2, 4."""
-        return 2, 4
-
-    @property
-    def next_powers(self) -> tuple[int, ...]:
-        """6."""
-        return (6,)
-
     def factor(self, r: Any, c: Any) -> Any:
         """1 + k1 r² + k2 r⁴."""
         return even(r, c[0], c[1])

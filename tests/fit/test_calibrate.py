@@ -329,22 +329,29 @@ def test_standard_errors_are_the_scatter_of_repeated_picks() -> None:
 
 
 def independent_covariance(made: Calibration, lens: TrueLens, kind: str) -> tuple[Array, float]:
-    """σ̂² (JᵀJ)⁻¹ with a numerical J of the independent residual at the fitted coefficients."""
+    """σ̂² (JᵀJ)⁻¹, or the sandwich around it, with numerical derivatives of independent residuals.
+
+    A pick's error reaches the corrected photo as many times larger as the residual there is than
+    that in the photograph.
+    """
     lines = [line.points_px for line in made.observations.lines]
 
-    def residual(values: Mapping[str, float]) -> Array:
+    def residual(values: Mapping[str, float], *, in_photo: bool) -> Array:
         at = replace(lens, coefficients=dict(values))
-        return np.concatenate(truth.distances_px(at, lines, in_photo=kind == "image"))
+        return np.concatenate(truth.distances_px(at, lines, in_photo=in_photo))
 
-    c = made.coefficients
+    c, own = made.coefficients, kind == "image"
     columns: list[Array] = []
     for name in made.free:
         h = 0.3 if name in CENTRE else 3e-4
-        up, down = residual({**c, name: c[name] + h}), residual({**c, name: c[name] - h})
-        columns.append((up - down) / (2 * h))
-    jacobian, rest = np.stack(columns, axis=-1), residual(c)
-    sigma = float(np.sqrt(rest @ rest / (len(rest) - 2 * len(lines) - len(made.free))))
-    return np.asarray(sigma**2 * np.linalg.inv(jacobian.T @ jacobian), np.float64), sigma
+        up = residual({**c, name: c[name] + h}, in_photo=own)
+        columns.append((up - residual({**c, name: c[name] - h}, in_photo=own)) / (2 * h))
+    jacobian, image = np.stack(columns, axis=-1), residual(c, in_photo=True)
+    sigma = float(np.sqrt(image @ image / (len(image) - 2 * len(lines) - len(made.free))))
+    inverse = np.linalg.inv(jacobian.T @ jacobian)
+    larger = residual(c, in_photo=own) / image
+    scatter = (jacobian * larger[:, None] ** 2).T @ jacobian
+    return np.asarray(sigma**2 * inverse @ scatter @ inverse, np.float64), sigma
 
 
 @pytest.mark.parametrize("kind", ["image", "corrected"])
@@ -471,19 +478,19 @@ def test_brown_with_everything_free_is_refused_on_weak_lines(seed: int) -> None:
 
 def test_collapses_are_told_apart() -> None:
     frame, zero = Frame(640, 480), dict.fromkeys((*MODELS["brown"].coefficients, *CENTRE), 0.0)
-    lens, none, ones = Lens(MODELS["brown"], frame, zero), np.zeros(9), np.ones(9)
-    refuse_collapsed(lens, ones, none)
+    lens = Lens(MODELS["brown"], frame, zero)
+    refuse_collapsed(lens, 1.0, 0)
     with pytest.raises(CollapsedFitError, match=r"scales the photo by 0\.55"):
-        refuse_collapsed(lens, 0.55**2 * ones, none)
+        refuse_collapsed(lens, 0.55, 0)
     with pytest.raises(CollapsedFitError, match=r"scales the photo by 5\.00"):
-        refuse_collapsed(lens, 25 * ones, none)
+        refuse_collapsed(lens, 5.0, 0)
     with pytest.raises(CollapsedFitError, match="2 picks beyond the fold"):
-        refuse_collapsed(lens, ones, np.repeat([0.0, 0.1], [7, 2]))
+        refuse_collapsed(lens, 1.0, 2)
     with pytest.raises(CollapsedFitError, match="1 pick beyond the fold"):
-        refuse_collapsed(lens, np.repeat([1.0, -1.0], [8, 1]), none)
+        refuse_collapsed(lens, 1.0, 1)
     away = Lens(MODELS["brown"], frame, zero | {"d": 2160 - 319.5, "e": 2299 - 239.5})
     with pytest.raises(CollapsedFitError, match=r"centre at \(2160, 2299\), outside the 640x480"):
-        refuse_collapsed(away, ones, none)
+        refuse_collapsed(away, 1.0, 0)
 
 
 # Many at once

@@ -411,3 +411,30 @@ def test_rows_are_named_after_their_models() -> None:
     assert all(name == model.name for name, model in MODELS.items())
     assert all(model.formula and model.use for model in MODELS.values())
     assert len(set(MODELS.values())) == len(MODELS)
+
+
+@every_model
+def test_each_radial_coefficient_goes_with_its_power(name: str) -> None:
+    """Its term in r f(r) grows with r^(n + 1), seen at the truth's own scale."""
+    model = get_model(name)
+    assert model.powers == tuple(p for p in truth.powers(name).values() if p)
+    assert model.radial == tuple(c for c, p in truth.powers(name).items() if p)
+    assert len(model.powers) == len(model.radial)
+    assert not set(model.next_powers) & set(model.powers)
+    for coefficient, power in zip(model.radial, model.powers, strict=True):
+        zero = dict.fromkeys(truth.powers(name), 0.0)
+        r = np.array([0.0, 0.5, 1.0])
+        tiny = truth.scale(name, zero | {coefficient: 1e-6}, r) - truth.scale(name, zero, r)
+        tiny = (tiny - tiny[0]) / 1e-6
+        assert tiny[1] / tiny[2] == pytest.approx(0.5**power, rel=1e-4)
+
+
+def test_what_a_richer_model_has_besides() -> None:
+    ptlens, brown = get_model("ptlens"), get_model("brown")
+    assert ptlens.richer(("b",)) == (3, 1)
+    assert ptlens.richer(("a", "b", "c", "d")) == (4,)
+    assert brown.richer(("k1", "p1", "p2")) == (4, 6)
+    assert brown.richer(("k1", "k2", "k3")) == (8,)
+    assert get_model("poly3").richer(("k1",)) == (1, 3)
+    assert get_model("radial:2,4").richer(("a2", "a4")) == (6,)
+    assert get_model("radial:1,2,3").richer(("a1", "a2", "a3")) == (4,)
