@@ -180,13 +180,13 @@ def _without_line(
     values: Array, along: Array, line: NDArray[np.int64], lines: Lines, kept: NDArray[np.bool_]
 ) -> Array:
     """What the line's own offset and direction cannot take up of motions across it, (n, k)."""
-    weight = kept.astype(np.float64)
     number = np.maximum(lines.count, 1.0)
     spread = np.where(lines.spread > 0, lines.spread, np.inf)
+    placed = np.where(kept, along, 0.0)
     out = np.empty_like(values)
     for column in range(values.shape[1]):
         value = np.where(kept, values[:, column], 0.0)
-        mean = np.bincount(line, value * weight, len(number)) / number
-        slope = np.bincount(line, value * along * weight, len(number)) / spread
+        mean = np.bincount(line, value, len(number)) / number
+        slope = np.bincount(line, value * placed, len(number)) / spread
         out[:, column] = values[:, column] - mean[line] - slope[line] * along
     return out

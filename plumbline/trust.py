@@ -19,6 +19,7 @@ from plumbline.frame import Array
 from plumbline.lens import Lens
 from plumbline.linearised import Linearised
 
+
 @dataclass(frozen=True, eq=False)
 class Jackknife:
     """What leaving out one line after the other says.
