@@ -15,6 +15,7 @@ from plumbline.displacement import displacement_errors
 from plumbline.errors import DegenerateLinesError, OptionError, PlumblineError
 from plumbline.facts import LensFacts
 from plumbline.fit.compare import picked_range_px
+from plumbline.linearised import linearise
 from plumbline.wording import px
 from tests import truth
 from tests.truth import TrueLens
@@ -278,3 +279,19 @@ def test_progress_is_told_once_for_each_model() -> None:
     told: list[None] = []
     found = compare(picked(BARREL), lambda: told.append(None))
     assert len(told) == len(found.candidates)
+
+
+def test_a_pick_beyond_the_fold_does_not_spoil_the_derivatives_of_its_line() -> None:
+    lens = plumbline.Lens(
+        plumbline.get_model("ptlens"),
+        plumbline.Frame(*BARREL.size),
+        {"a": 0.0, "b": -0.2, "c": 0.0, "d": 0.0, "e": 0.0},
+    )
+    near = [np.array([[x, 300.0 + x / 40] for x in np.linspace(700, 2300, 8)])]
+    far = [np.vstack((near[0], [[2.0e4, 400.0]]))]
+    kept = np.ones(9, dtype=np.bool_)
+    alone = linearise(lens, near, ("a", "b"), kept[:8], image=True)
+    beside = linearise(lens, far, ("a", "b"), kept, image=True)
+    assert beside.kept.tolist() == [True] * 8 + [False]
+    assert np.allclose(beside.jacobian[:8], alone.jacobian, rtol=1e-12, atol=1e-9)
+    assert np.allclose(beside.residual_px[:8], alone.residual_px, rtol=1e-12, atol=1e-9)
