@@ -90,6 +90,8 @@ def choose(candidates: Sequence[Candidate], points_px: Array) -> Choice:
 def _allowed(candidates: Sequence[Candidate]) -> list[int]:
     """The rows that take part: those with a free centre or tangential terms where it helps."""
     usable = [index for index, each in enumerate(candidates) if each.aicc is not None]
+    if not any(np.isfinite(_aicc(candidates[index])) for index in usable):
+        return usable[:1]  # too few picks to compare anything
     plain = [index for index in usable if not _DECENTRED & {*candidates[index].free}]
     if not plain:
         return usable

@@ -254,6 +254,15 @@ def test_very_few_picks_are_compared_or_refused_in_a_sentence(n_lines: int, n_po
     assert isinstance(found, Comparison) == (n_points * n_lines > 2 * n_lines + 1)
 
 
+def test_picks_too_few_for_a_criterion_get_the_simplest_model() -> None:
+    lines = [points[:n] for points, n in zip(BARREL.lines(16, 4), (4, 3, 2), strict=False)]
+    found = compare(Observations.from_arrays(lines, BARREL.size))  # three contrasts are left
+    assert found.candidates[0].aicc == np.inf
+    assert found.reason == (
+        "b alone is enough: so few picks cannot tell models apart, and none has fewer coefficients"
+    )
+
+
 def test_picks_on_no_straight_lines_are_compared_or_refused_in_a_sentence() -> None:
     rng = np.random.default_rng(7)
     for _ in range(6):
