@@ -18,12 +18,14 @@ class Candidate:
         model: Name of the model, for `--model`.
         free: Its free coefficients, for `--free`.
         calibration: The fit; None where there is none.
-        failure: Why there is none; else empty.
+        failure: Why there is none, or why it cannot be taken; else empty.
         aicc: Akaike's information criterion for small samples (C. Hurvich and C.-L. Tsai 1989),
             for residual contrasts after the line parameters.
         left_out_px: Root mean square residual of lines that did not take part in the fit.
         difference_px: Largest difference from the best row over the range of the picks, after
             the best common scale and translation (homography with tangential terms).
+        error_px: Largest standard error of its curve over the range of the picks, the larger of
+            that for independent picking errors and the jackknife's.
         fold_px: Radius at which the model folds inside the photo, or None.
     """
 
@@ -36,6 +38,7 @@ class Candidate:
     aicc: float | None = None
     left_out_px: float | None = None
     difference_px: float | None = None
+    error_px: float | None = None
     fold_px: float | None = None
 
 
@@ -45,7 +48,8 @@ class Comparison:
 
     Attributes:
         candidates: One row a model, simple ones first.
-        best: Index of the row with the smallest error on lines left out.
+        best: Index of the row that fits best for its number of coefficients (lowest AICc; a free
+            centre counts only where lines left out gain by it).
         recommended: Index of the row to take.
         reason: Why.
         centre: What freeing the distortion centre would do, in a sentence.

@@ -215,7 +215,8 @@ def _by_chance(picks: Picks, screened: Screened, line: int) -> float:
     mine = picks.line == line
     away, kept = np.abs(screened.distance_px), mine & screened.kept
     close = max(float(np.max(away[kept], initial=0.0)), float(screened.sigma_px[0]))
-    share = min(1.0, close / float(np.median(away[mine & ~kept])))
+    others = max(float(np.median(away[mine & ~kept])), FINEST_PX)
+    share = min(1.0, close / others)
     agreeing = int(np.count_nonzero(kept))
     return comb(int(picks.sizes[line]), agreeing) * share ** (agreeing - 2)
 
