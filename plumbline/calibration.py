@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,33 +21,13 @@ from plumbline.lens import Lens
 from plumbline.linearised import Linearised, in_frame, linearise
 from plumbline.notes import notes_on
 from plumbline.observations import Observations
-from plumbline.straightness import straightness_before
+from plumbline.straightness import LineStraightness, largest, rms, straightness_before
 from plumbline.student import quantile
 from plumbline.suspect import Suspect
 from plumbline.trust import Jackknife, ModelError, jackknife, model_error
 from plumbline.trust_checks import after_fit
 
 ResidualKind = Literal["image", "corrected"]
-
-
-class LineStraightness(NamedTuple):
-    """How straight one line is, before and after; all in pixels.
-
-    Attributes:
-        label: The line's name.
-        photo: Index of its photo.
-        n_points: Number of its points that were fitted.
-        rms_before_px: Root mean square distance of the observed points from a line.
-        rms_after_px: The same of the fit's residuals.
-        largest_after_px: The largest residual, without its sign.
-    """
-
-    label: str
-    photo: int
-    n_points: int
-    rms_before_px: float
-    rms_after_px: float
-    largest_after_px: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -284,14 +264,3 @@ def refuse_unsettled(calibrations: Sequence[Calibration]) -> None:
             hint="check that every pick is on its line and that the photo's size (and --grid) is "
             "right",
         )
-
-
-def rms(arrays: Sequence[Array]) -> float:
-    """Root mean square over all arrays."""
-    total = sum(float(values @ values) for values in arrays)
-    return float(np.sqrt(total / sum(len(values) for values in arrays)))
-
-
-def largest(arrays: Sequence[Array]) -> float:
-    """Largest absolute value over all arrays."""
-    return max(float(np.max(np.abs(values))) for values in arrays)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,26 @@ from plumbline.frame import Array
 from plumbline.observations import Observations
 
 _T = TypeVar("_T", bound=np.generic)
+
+
+class LineStraightness(NamedTuple):
+    """How straight one line is, before and after; all in pixels.
+
+    Attributes:
+        label: The line's name.
+        photo: Index of its photo.
+        n_points: Number of its points that were fitted.
+        rms_before_px: Root mean square distance of the observed points from a line.
+        rms_after_px: The same of the fit's residuals.
+        largest_after_px: The largest residual, without its sign.
+    """
+
+    label: str
+    photo: int
+    n_points: int
+    rms_before_px: float
+    rms_after_px: float
+    largest_after_px: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,3 +140,14 @@ def straightness_before(
     drawn = every if kept is None else drawn_through(np.concatenate(kept), sizes)
     lines = fit_lines(points, sizes, drawn.astype(np.float64))
     return by_line(lines.place(points, line_numbers(sizes))[1], sizes)
+
+
+def rms(arrays: Sequence[Array]) -> float:
+    """Root mean square over all arrays."""
+    total = sum(float(values @ values) for values in arrays)
+    return float(np.sqrt(total / sum(len(values) for values in arrays)))
+
+
+def largest(arrays: Sequence[Array]) -> float:
+    """Largest absolute value over all arrays."""
+    return max(float(np.max(np.abs(values))) for values in arrays)

@@ -23,7 +23,11 @@ Examples:
 """
 
 
-@click.command("check", help=_HELP, short_help="Say whether the picks can tell the distortion.")
+@click.command(
+    "check",
+    help=_HELP,
+    short_help="Say whether the picks can tell the distortion, and what to pick next.",
+)
 @click.argument("points", nargs=-1, required=True)
 @options.fitting
 @options.reading

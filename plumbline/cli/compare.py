@@ -23,7 +23,11 @@ Examples:
 """
 
 
-@click.command("compare", help=_HELP, short_help="Compare the distortion models on the same picks.")
+@click.command(
+    "compare",
+    help=_HELP,
+    short_help="Compare the distortion models on the same picks, and recommend one.",
+)
 @click.argument("points", nargs=-1, required=True)
 @options.reading
 @click.option("--json", "as_json", is_flag=True, help="Print the table as JSON.")

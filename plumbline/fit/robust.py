@@ -2,11 +2,11 @@
 
 Bad picks hide each other: a plain fit bends towards them, and its residuals name a few of them
 and some good ones. The robust fit therefore begins robustly. Where the plain fit's lens leaves
-all picks on straight lines (`plumbline.fit.screening`), it is its own robust fit. Else lenses of
-the one-coefficient division model are tried over their whole range beside the plain one; that
-with the straightest halves of lines decides which picks are believed, the model is fitted to
-these, and lens and picks are decided in turn until nothing changes (re-weighting with weights 0
-and 1; P. Rousseeuw and A. Leroy, "Robust Regression and Outlier Detection", 1987).
+all picks on straight lines (`plumbline.fit.screening`), it is its own robust fit. Else the best of
+many lenses (`plumbline.fit.search`) and the plain one decide which picks are believed first; the
+model is fitted to these, and lens and picks are decided in turn until nothing changes (re-weighting
+with weights 0 and 1; P. Rousseeuw and A. Leroy, "Robust Regression and Outlier Detection", 1987).
+Of the fits that are reached the likeliest is taken.
 """
 
 from __future__ import annotations
@@ -21,26 +21,21 @@ from numpy.typing import NDArray
 from plumbline.errors import DegenerateLinesError
 from plumbline.fit.oddities import bends, twins
 from plumbline.fit.outcome import lens_of
-from plumbline.fit.problem import Problem, pixels_of_centre
+from plumbline.fit.problem import Problem
 from plumbline.fit.screening import (
     FINEST_PX,
     Picks,
     Screened,
-    closest,
     distance_from,
-    distances,
-    least_median_lines,
     picks_at,
     reach,
     screen,
     within,
 )
+from plumbline.fit.search import beliefs
 from plumbline.fit.solve import solve
 from plumbline.fit.task import Solution
-from plumbline.ideal import Ideal, stretch
 from plumbline.linearised import in_frame, linearise
-from plumbline.models import CENTRE, get_model
-from plumbline.straightness import line_numbers
 
 _MOST_ROUNDS = 12
 _SAME = 5.0
@@ -49,24 +44,6 @@ _MASKED, _WILD = 0.8, 1 / 300
 """Below this share of the plain fit's σ̂ the believed picks' own, or above this share of R the
 plain fit's, bad picks may be hiding each other.
 """
-_STARTS = 3
-_STEPS, _FINEST_STEP = (0.03, 0.0375), 5e-4
-_MOST_LINES = 64
-_LEAST_PX, _FAR_PX = 0.3, 1e6
-
-
-def _bends() -> tuple[tuple[float, float], ...]:
-    """l1 and l2 of the division model, at a reach of 1, that neither fold nor have a pole."""
-    s = np.linspace(0.0, 1.0, 33)
-    return tuple(
-        (one, two)
-        for one in np.linspace(-0.96, 0.96, 33).tolist()
-        for two in np.linspace(-0.3, 0.3, 9).tolist()
-        if np.all(1 + one * s + two * s**2 > 0.03) and np.all(1 - one * s - 3 * two * s**2 > 0.03)
-    )
-
-
-_BENDS = _bends()
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,8 +87,8 @@ def robust_fits(
         if spoiled[index] or wild:
             masked = wild or not screened.sigma_px[index] > _MASKED * plain_px
             kept = screened.kept[picks.problem == index]
-            beliefs = _beliefs(problem, solution) if masked else [kept]
-            made.append(_best([_fit(problem, belief) for belief in beliefs]))
+            first = beliefs(problem, solution) if masked else [kept]
+            made.append(_best([_fit(problem, belief) for belief in first]))
         elif odd[index]:
             alone = picks_at([problem], [solution])
             made.append(Robust(problem, solution, alone, screen(alone)))
@@ -219,70 +196,3 @@ def _by_chance(picks: Picks, screened: Screened, line: int) -> float:
     share = min(1.0, close / others)
     agreeing = int(np.count_nonzero(kept))
     return comb(int(picks.sizes[line]), agreeing) * share ** (agreeing - 2)
-
-
-def _beliefs(problem: Problem, plain: Solution) -> list[NDArray[np.bool_]]:
-    """Which picks lie on straight lines under the best of many lenses, and under the plain one."""
-    telling, every = _telling_lines(problem), np.arange(len(problem.packed.sizes))
-    costs = [_cost(_bent(problem, bend, telling)) for bend in _BENDS]
-    rough = [_BENDS[number] for number in np.argsort(costs)[: 2 * _STARTS].tolist()]
-    fine = sorted(_refined(problem, bend, telling) for bend in rough)
-    lenses = [_bent(problem, bend, every) for _, bend in fine[:_STARTS]]
-    if not int(plain.folded):
-        lenses.append(picks_at([problem], [plain]))
-    return [closest(lens) for lens in lenses]
-
-
-def _refined(
-    problem: Problem, bend: tuple[float, float], lines: NDArray[np.int64]
-) -> tuple[float, tuple[float, float]]:
-    """The lowest cost beside a lens of the grid, and the lens, by steps that are halved."""
-    steps, best = _STEPS, (_cost(_bent(problem, bend, lines)), bend)
-    while steps[0] > _FINEST_STEP:
-        around = [
-            (best[1][0] + i * steps[0], best[1][1] + j * steps[1])
-            for i in (-1, 0, 1)
-            for j in (-1, 0, 1)
-            if i or j
-        ]
-        lowest = min((_cost(_bent(problem, each, lines)), each) for each in around)
-        if lowest[0] < best[0]:
-            best = lowest
-        else:
-            steps = steps[0] / 2, steps[1] / 2
-    return best
-
-
-def _bent(problem: Problem, bend: tuple[float, float], lines: NDArray[np.int64]) -> Picks:
-    """The picks of some lines under a lens of the division model."""
-    packed, unit_px = problem.packed, problem.blank.unit_px
-    held = np.array([problem.plan.start[name] for name in CENTRE])
-    observed = packed.unpack(packed.block.xy) - held / pixels_of_centre(problem.blank)[-2:]
-    far2 = float(np.max(np.sum(observed**2, axis=1)))
-    c = bend[0] / far2, bend[1] / far2**2
-    observed = observed[np.isin(line_numbers(packed.sizes), lines)]
-    sizes = packed.sizes[lines]
-    r2 = np.sum(observed**2, axis=1)
-    ideal = observed / (1 + c[0] * r2 + c[1] * r2**2)[:, None]
-    slopes = stretch(get_model("division"), c, observed, ideal)
-    one = np.zeros(len(observed), dtype=np.int64)
-    return Picks(Ideal(ideal * unit_px, slopes), sizes, line_numbers(sizes), one, np.array([1]))
-
-
-def _telling_lines(problem: Problem) -> NDArray[np.int64]:
-    """The lines that a lens bends most; all, unless they are many."""
-    sizes = problem.packed.sizes
-    if len(sizes) <= _MOST_LINES:
-        return np.arange(len(sizes))
-    points = problem.packed.unpack(problem.packed.block.xy)
-    first, last = points[np.cumsum(sizes) - sizes], points[np.cumsum(sizes) - 1]
-    length = np.hypot(*(last - first).T)
-    area = np.abs(first[:, 0] * last[:, 1] - first[:, 1] * last[:, 0])
-    return np.sort(np.argsort(-area * length)[:_MOST_LINES])
-
-
-def _cost(picks: Picks) -> float:
-    """How far picks lie from their least-median lines, wrong ones hardly more than others."""
-    lines, _ = least_median_lines(picks.ideal, picks.sizes)
-    away_px = np.minimum(np.abs(distances(picks, lines)), _FAR_PX)
-    return float(np.sum(np.log(away_px + _LEAST_PX)))

@@ -44,9 +44,4 @@ def _belongs_together(made: Calibration) -> bool:
     """Whether there are picks to judge by, and the lens reaches all of them without a fold."""
     kept = np.concatenate(made.kept)
     centre = float(made.lens.model.factor(np.float64(0.0), made.lens.vector))
-    return (
-        made.dof >= 1
-        and centre > 0
-        and bool(kept.any())
-        and np.array_equal(made.linearised.kept, kept)
-    )
+    return centre > 0 and bool(kept.any()) and np.array_equal(made.linearised.kept, kept)

@@ -119,7 +119,7 @@ def coefficients_table(made: Calibration) -> Table:
             f"{value:.{digits}f}{unit}",
             f"± {errors[name]:.{digits}f}{unit}",
             percent,
-            " … ".join(f"{end:.{digits}f}" for end in made.intervals[name]),
+            " to ".join(f"{end:.{digits}f}" for end in made.intervals[name]),
             f"{made.start[name]:g}",
         )
     return table
