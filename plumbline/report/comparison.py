@@ -19,7 +19,8 @@ def print_comparison(console: Console, comparison: Comparison) -> None:
     for candidate in comparison.candidates:
         made = candidate.calibration
         told = candidate.failure if made is None else ", ".join(coefficient_texts(made))
-        _print(console, f"{candidate.name}: {escape(printable(told))}")
+        names = " = ".join((candidate.name, *candidate.equals))
+        _print(console, f"{names}: {escape(printable(told))}")
     chosen = comparison.candidates[comparison.recommended]
     _print(
         console, f"\n[bold]Recommended: {chosen.name}[/]; {escape(printable(comparison.reason))}"
@@ -42,13 +43,12 @@ def comparison_table(comparison: Comparison) -> Table:
     """All models, simple ones first; the recommended one is marked."""
     table = Table(box=box.SIMPLE, pad_edge=False)
     table.add_column("model", no_wrap=True)
-    for heading in ("rms px", "AICc", "left out px", "off best px", "folds"):
+    for heading in ("rms, px", "AICc", "left out, px", "off best, px", "folds"):
         table.add_column(heading, justify="right", no_wrap=True)
     least = min(each.aicc for each in comparison.candidates if each.aicc is not None)
     for index, candidate in enumerate(comparison.candidates):
-        name = " = ".join((candidate.name, *candidate.equals))
         style = "bold" if index == comparison.recommended else None
-        table.add_row(name, *_figures(candidate, least), style=style)
+        table.add_row(candidate.name, *_figures(candidate, least), style=style)
     return table
 
 
