@@ -44,7 +44,7 @@ def command(
     """Read, check, fit, check, print."""
     from rich.console import Console
 
-    from plumbline.cli.checking import check_lenses
+    from plumbline.cli.checking import as_dict, check_lenses
     from plumbline.cli.pipeline import parts_of
     from plumbline.report.checks import print_checks, print_suspects
     from plumbline.report.terminal import WideConsole, print_title
@@ -53,10 +53,9 @@ def command(
     found = check_lenses(parts, model, free, hold or (), Console(stderr=True))
     if as_json:
         import json
-        from dataclasses import asdict
 
-        lists = [[asdict(check) for check in each.checks] for each in found]
-        click.echo(json.dumps({"checks": lists}, indent=2, ensure_ascii=False))
+        lenses = [as_dict(each) for each in found]
+        click.echo(json.dumps({"lenses": lenses}, indent=2, ensure_ascii=False))
     else:
         console = WideConsole()
         for part, each in zip(parts, found, strict=True):

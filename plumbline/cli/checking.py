@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import asdict, dataclass
+from math import isfinite
+from typing import TYPE_CHECKING, Any
 
 from plumbline.checks import Check, before_fit
 from plumbline.cli.pipeline import name_the_source
@@ -64,3 +65,18 @@ def check_lenses(
                 continue
         found.append(Checked((*before, *after_fit(made)), made.suspects))
     return found
+
+
+def as_dict(checked: Checked) -> dict[str, Any]:
+    """What was found of one lens, as plain lists, dicts, strings and numbers."""
+    return {
+        "checks": [asdict(check) for check in checked.checks],
+        "suspects": [
+            {
+                name: None if isinstance(value, float) and not isfinite(value) else value
+                for name, value in asdict(suspect).items()
+            }
+            for suspect in checked.suspects
+        ],
+        "error": None if checked.error is None else checked.error.message,
+    }

@@ -43,7 +43,7 @@ def comparison_table(comparison: Comparison) -> Table:
     """All models, simple ones first; the recommended one is marked."""
     table = Table(box=box.SIMPLE, pad_edge=False)
     table.add_column("model", no_wrap=True)
-    for heading in ("rms, px", "AICc", "left out, px", "off best, px", "folds"):
+    for heading in ("rms\npx", "AICc", "left out\npx", "off best\npx", "folds"):
         table.add_column(heading, justify="right", no_wrap=True)
     least = min(each.aicc for each in comparison.candidates if each.aicc is not None)
     for index, candidate in enumerate(comparison.candidates):

@@ -1,11 +1,25 @@
-"""The command line as a process, with a data folder of its own."""
+"""The command line, in this process or as one with a data folder of its own."""
 
 from __future__ import annotations
 
 import os
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
+from typing import NamedTuple
+
+
+class Result(NamedTuple):
+    """How a command ended."""
+
+    status: int
+    out: str
+    err: str
+
+
+Run = Callable[..., Result]
+"""Run a command in this process."""
 
 
 def plumbline(*arguments: str | Path, home: Path) -> subprocess.CompletedProcess[str]:

@@ -9,9 +9,8 @@ import subprocess
 import sys
 import time
 import xml.etree.ElementTree as ET
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import click
 import numpy as np
@@ -19,9 +18,10 @@ import pytest
 from click.testing import CliRunner
 from PIL import Image
 
-from plumbline.cli import VERBS, command, main
+from plumbline.cli import VERBS, command
 from plumbline.formats.known import FORMATS
 from plumbline.models import MODELS
+from tests.cli.process import Run
 
 WIDTH, HEIGHT = 600, 400
 SIZE = ("--size", f"{WIDTH}x{HEIGHT}")
@@ -29,37 +29,6 @@ FOCAL = ("--focal", "20", "--crop-factor", "1.5")
 B = -0.02
 
 Lines = dict[str, list[tuple[float, float]]]
-
-
-class Result(NamedTuple):
-    """How a command ended."""
-
-    status: int
-    out: str
-    err: str
-
-
-Run = Callable[..., Result]
-
-
-@pytest.fixture
-def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
-    """Run the command in this process, in an empty folder."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(sys, "unraisablehook", sys.unraisablehook)
-    monkeypatch.setenv("COLUMNS", "100")
-
-    def call(*words: object) -> Result:
-        monkeypatch.setattr(sys, "argv", ["plumbline", *map(str, words)])
-        capsys.readouterr()
-        with pytest.raises(SystemExit) as ended:
-            main()
-        out, err = capsys.readouterr()
-        code = ended.value.code
-        assert isinstance(code, int)
-        return Result(code, out, err)
-
-    return call
 
 
 def observed(points: np.ndarray[Any, Any], b: float = B) -> np.ndarray[Any, Any]:

@@ -5,50 +5,22 @@ from __future__ import annotations
 import json
 import shlex
 import shutil
-import sys
-from collections.abc import Callable
 from pathlib import Path
-from typing import NamedTuple
 
 import pytest
 from PIL import Image
 
-from plumbline.cli import main
 from plumbline.report.figures import FIGURES
+from tests.cli.process import Run
 
 SAMPLES = Path(__file__).parents[2] / "sample_projects"
 
 
-class Result(NamedTuple):
-    """How a command ended."""
-
-    status: int
-    out: str
-    err: str
-
-
-Run = Callable[..., Result]
-
-
-@pytest.fixture
-def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
-    """Run the command in this process, in a folder that holds the first sample project."""
+@pytest.fixture(autouse=True)
+def sample(run: Run) -> None:  # run first, since it chooses the folder
+    """The first sample project, in the folder that commands run in."""
     for name in ("building.pto", "facade.jpg"):
-        shutil.copy(SAMPLES / "building" / name, tmp_path)
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(sys, "unraisablehook", sys.unraisablehook)
-
-    def call(*words: str) -> Result:
-        monkeypatch.setattr(sys, "argv", ["plumbline", *words])
-        capsys.readouterr()
-        with pytest.raises(SystemExit) as ended:
-            main()
-        out, err = capsys.readouterr()
-        code = ended.value.code
-        assert isinstance(code, int)
-        return Result(code, out, err)
-
-    return call
+        shutil.copy(SAMPLES / "building" / name, name)
 
 
 @pytest.fixture
