@@ -91,6 +91,13 @@ def pack_points(lines: Sequence[Array]) -> Packed:
     return _packed(np.concatenate(list(lines)), sizes)
 
 
+def shape_of(observations: Observations) -> tuple[int, int]:
+    """Rows and width of the block that these lines are packed into."""
+    sizes = np.array([len(line.points_px) for line in observations.lines], dtype=np.int64)
+    width = _width(sizes)
+    return bucket(int((-(-sizes // width)).sum())), width
+
+
 def _packed(points: Array, sizes: NDArray[np.int64]) -> Packed:
     width = _width(sizes)
     rows_of = -(-sizes // width)

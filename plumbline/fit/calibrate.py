@@ -10,6 +10,7 @@ from dataclasses import replace
 
 from plumbline.calibration import Calibration, ResidualKind
 from plumbline.errors import CollapsedFitError, DegenerateLinesError, PlumblineError
+from plumbline.fit.blocks import shape_of
 from plumbline.fit.outcome import finish
 from plumbline.fit.problem import Problem, Start, prepare
 from plumbline.fit.robust import Robust, robust_fits
@@ -98,13 +99,9 @@ def calibrate_many(
             number from 0. None of the results is returned then.
     """
     chosen, held = None if free is None else tuple(free), tuple(hold)
-    prepared: list[Problem] = []
     batches: dict[tuple[int, int], list[int]] = {}
     for index, each in enumerate(observations):
-        with _numbered(index):
-            made = prepare(each, get_model(model), chosen, held, None, residual)
-        prepared.append(made)
-        batches.setdefault(made.packed.shape, []).append(index)
+        batches.setdefault(shape_of(each), []).append(index)
     chunks = [
         members[first : first + _CHUNK]
         for members in batches.values()
@@ -112,7 +109,11 @@ def calibrate_many(
     ]
 
     def fitted(chunk: list[int]) -> list[Calibration]:
-        problems = [prepared[index] for index in chunk]
+        problems: list[Problem] = []
+        for index in chunk:
+            with _numbered(index):
+                made = prepare(observations[index], get_model(model), chosen, held, None, residual)
+            problems.append(made)
         tasks = [problem.task for problem in problems]
         solutions = solve_many(get_model(model), tasks)
         return _finished(problems, solutions, chunk, robust=robust, numbered=True)
@@ -121,7 +122,7 @@ def calibrate_many(
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         for chunk, calibrations in zip(chunks, pool.map(fitted, chunks), strict=True):
             results.update(zip(chunk, calibrations, strict=True))
-    return [results[index] for index in range(len(prepared))]
+    return [results[index] for index in range(len(observations))]
 
 
 def _finished(
