@@ -63,7 +63,7 @@ def _correction(made: Calibration) -> Check:
     if more is not None and more.to_px < _WORTH * more.from_px:
         lower = sure.worst_px * more.to_px / more.from_px
         advice = f"one more line {more.place} would lower that to about {px(lower)}"
-    if sure.worst_px <= max(_LEAST_PX, abs(made.finding.corner_px) / 3):
+    if sure.worst_px <= max(_LEAST_PX, abs(made.finding.corner_px) / 20):
         return Check("correction", True, f"{finding}; {advice}" if advice else finding)
     return Check("correction", False, finding, advice or "pick more lines, nearer to the corners")
 
