@@ -133,7 +133,8 @@ class Calibration:
     def checks(self) -> tuple[Check, ...]:
         """Whether the lines are well placed and the result is to be trusted."""
         radial = [name for name in self.free if name in self.lens.model.radial]
-        return (*before_fit(self.observations, len(self.free), len(radial)), *after_fit(self))
+        before = before_fit(self.kept_observations, len(self.free), len(radial))
+        return (*before, *after_fit(self))
 
     @cached_property
     def before_px(self) -> tuple[Array, ...]:
@@ -257,7 +258,9 @@ def refuse_unsettled(calibrations: Sequence[Calibration]) -> None:
     for made in calibrations:
         if made.converged:
             continue
-        worst = max(made.lines, key=lambda line: line.rms_after_px)
+        worst = max(
+            (line for line in made.lines if line.n_points), key=lambda line: line.rms_after_px
+        )
         raise UnsettledError(
             f"{made.observations.named}there is no result: {made.reason}; line {worst.label} is "
             f"farthest from straight, by {worst.rms_after_px:.3g} px (rms)",

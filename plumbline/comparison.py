@@ -95,5 +95,6 @@ def _row(candidate: Candidate) -> dict[str, Any]:
         "aicc": candidate.aicc,
         "left_out_px": candidate.left_out_px,
         "difference_px": candidate.difference_px,
+        "error_px": candidate.error_px,
         "fold_px": candidate.fold_px,
     }

@@ -68,14 +68,14 @@ class Linearised:
         return self.line_leverage + of_lens
 
     def studentised(self, sigma_px: float) -> Array:
-        """Residuals in units of their own standard deviation, shape (n,).
+        """Residuals in the photograph in units of their own standard deviation, shape (n,).
 
         A kept pick has drawn line and lens towards itself; one left out has not. Infinite beyond
         the fold of the model, where there is no leverage either.
         """
         room = np.where(self.kept, np.maximum(1 - self.leverage, 1e-6), 1 + self.leverage)
-        size = self.residual_px / (max(sigma_px, 1e-12) * np.sqrt(room))
-        return np.where(np.isfinite(self.residual_px), size, np.inf)
+        size = self.image_px / (max(sigma_px, 1e-12) * np.sqrt(room))
+        return np.where(np.isfinite(self.image_px), size, np.inf)
 
     def without_each_line(self) -> Array | None:
         """How the coefficients would change with one line left out, shape (l, k).
@@ -87,10 +87,12 @@ class Linearised:
         """
         k = self.jacobian.shape[1]
         weighted = np.where(self.kept[:, None], self.jacobian, 0.0)
-        outer = (weighted[:, :, None] * weighted[:, None, :]).reshape(len(weighted), k * k)
         pulls = weighted * np.where(self.kept, self.residual_px, 0.0)[:, None]
         starts = np.searchsorted(self.line, np.arange(self.n_lines))
-        normals = np.add.reduceat(outer, starts).reshape(-1, k, k)
+        normals = np.empty((self.n_lines, k, k))
+        for i, j in zip(*np.triu_indices(k), strict=True):  # one product at a time: picks are many
+            normals[:, i, j] = np.add.reduceat(weighted[:, i] * weighted[:, j], starts)
+            normals[:, j, i] = normals[:, i, j]
         gradients = np.add.reduceat(pulls, starts)
         rest = normals.sum(axis=0) - normals
         scale = np.sqrt(np.maximum(np.einsum("lii->li", rest), 0.0))

@@ -35,7 +35,7 @@ class NextLine:
 
 
 def next_line(made: Calibration) -> NextLine | None:
-    """The best of lines along the edges, a third of the way out, and across the corners.
+    """The best of lines along the edges and a third of the way out.
 
     Returns:
         None where the model folds inside the photo.

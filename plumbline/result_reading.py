@@ -163,6 +163,12 @@ def _covariance(values: Any, free: tuple[str, ...]) -> Array:
     covariance = _array(values, 2)
     if covariance.shape != (len(free), len(free)) or np.any(np.diag(covariance) < 0):
         raise ValueError("the covariance does not fit the free coefficients")
+    deviations = np.sqrt(np.diag(covariance))
+    scale = np.outer(deviations, deviations)
+    correlation = np.divide(covariance, scale, out=np.zeros_like(scale), where=scale > 0)
+    symmetric = np.allclose(correlation, correlation.T, rtol=0, atol=1e-6)
+    if not symmetric or (len(free) and np.min(np.linalg.eigvalsh(correlation)) < -1e-6):
+        raise ValueError("the covariance is none")
     return covariance
 
 

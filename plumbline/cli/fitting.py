@@ -125,7 +125,7 @@ def _compared(part: Observations, narration: Console) -> Comparison:
 def _fitted(part: Observations, wishes: Wishes, narration: Console) -> Calibration:
     model, free, note = wishes.model, wishes.free, ""
     if model == AUTO:
-        comparison = _compared(part, narration)
+        comparison = _compared(_believed(part) if wishes.robust else part, narration)
         chosen = comparison.candidates[comparison.recommended]
         model, free = chosen.model, chosen.free
         note = f"{chosen.name} was chosen: {comparison.reason}"
@@ -142,6 +142,13 @@ def _fitted(part: Observations, wishes: Wishes, narration: Console) -> Calibrati
             robust=wishes.robust,
         )
     return replace(made, remarks=(*made.remarks, note)) if note else made
+
+
+def _believed(part: Observations) -> Observations:
+    """The picks that a robust fit believes, for a comparison that wrong ones do not decide."""
+    from plumbline.fit.calibrate import calibrate
+
+    return calibrate(part, robust=True).kept_observations
 
 
 def _again(made: Calibration, fits: int, narration: Console) -> Calibration:

@@ -9,7 +9,7 @@ by √(1 − leverage), and by √(1 − 1/m) for the mean taken out of m of the
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
@@ -53,17 +53,17 @@ def bootstrap(
     problem = prepare(
         made.observations, made.lens.model, made.free, (), made.coefficients, made.residual
     ).keeping(np.concatenate(made.kept))
-    chunks = [min(BATCH, fits - first) for first in range(0, fits, BATCH)]
-    tasks = _resampled(made, problem, np.random.default_rng(seed))
-    drawn = [[next(tasks) for _ in range(size)] for size in chunks]
+    sizes = [min(BATCH, fits - first) for first in range(0, fits, BATCH)]
+    draw = _resampling(made, problem)
 
-    def solved(chunk: list[Task]) -> list[Solution]:
-        return solve_many(problem.model, chunk)
+    def solved(number: int) -> list[Solution]:
+        rng = np.random.default_rng((seed, number))
+        return solve_many(problem.model, [draw(rng) for _ in range(sizes[number])])
 
     found: list[Array] = []
     chosen = problem.task.free
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        for solutions in pool.map(solved, drawn):
+        for solutions in pool.map(solved, range(len(sizes))):
             found += [
                 (solution.coefficients * pixels_of_centre(problem.blank))[chosen]
                 for solution in solutions
@@ -87,8 +87,8 @@ def bootstrap(
     return replace(made, bootstrap=result)
 
 
-def _resampled(made: Calibration, problem: Problem, rng: np.random.Generator) -> Iterator[Task]:
-    """Tasks with residuals resampled within lines, without end."""
+def _resampling(made: Calibration, problem: Problem) -> Callable[[np.random.Generator], Task]:
+    """What draws tasks with residuals resampled within lines."""
     lens, linear = made.lens, made.linearised
     observed_px = np.concatenate(in_frame(made.observations, lens.frame))
     ideal = undistorted(lens, observed_px)
@@ -105,12 +105,15 @@ def _resampled(made: Calibration, problem: Problem, rng: np.random.Generator) ->
     errors = linear.image_px[rows] / np.sqrt(np.maximum(1 - linear.leverage[rows], 0.05))
     mean = np.bincount(of_line, errors, linear.n_lines) / np.maximum(counts, 1)
     errors = (errors - mean[of_line]) * np.sqrt(counts / np.maximum(counts - 1, 1))[of_line]
-    while True:
+
+    def draw(rng: np.random.Generator) -> Task:
         drawn = starts[of_line] + (rng.random(len(rows)) * counts[of_line]).astype(np.int64)
         moved = fitted.copy()
         moved[rows] += errors[drawn][:, None] * across[rows]
         whole = np.zeros((block.weight.size, 2))
         whole[cells] = moved
-        yield problem.task._replace(
+        return problem.task._replace(
             block=problem.task.block._replace(xy=whole.reshape(*block.weight.shape, 2))
         )
+
+    return draw

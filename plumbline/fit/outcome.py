@@ -19,18 +19,16 @@ from plumbline.fit.uncertainty import (
 from plumbline.lens import Lens
 from plumbline.models import CENTRE
 from plumbline.straightness import by_line
-from plumbline.suspect import Suspect
 
 _SETTLED_PX = 1e-4
 
 
-def finish(problem: Problem, solution: Solution, suspects: tuple[Suspect, ...] = ()) -> Calibration:
+def finish(problem: Problem, solution: Solution) -> Calibration:
     """Make a calibration of what the solver found.
 
     Args:
         problem: What it was given.
         solution: What it found.
-        suspects: Picks that a robust fit finds wrong.
 
     Raises:
         DegenerateLinesError: the lines do not determine the free coefficients.
@@ -66,7 +64,6 @@ def finish(problem: Problem, solution: Solution, suspects: tuple[Suspect, ...] =
         else f"the fit stopped after {int(solution.steps)} steps without reaching a minimum",
         remarks=chosen.notes,
         kept=by_line(problem.kept, packed.sizes),
-        suspects=suspects,
     )
     if problem.residual == "corrected":
         made = _with_sandwich(made)

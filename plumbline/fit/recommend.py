@@ -171,14 +171,14 @@ def _why_taken(choice: Choice) -> str:
     off_px, error_px = taken.difference_px or 0.0, taken.error_px or 0.0
     if len(taken.free) > len(best.free):
         return (
-            f"its standard error of {px(error_px)} allows for all models that the picks do not "
+            f"its standard error of {px(error_px)}, taken 1.5 times, allows for all models that the picks do not "
             f"rule out; that of {best.name}, which fits best for its number of coefficients, does "
             "not"
         )
     if off_px <= MATTERS_PX:
         what = f"which is less than {px(MATTERS_PX)} and does not matter"
     else:
-        what = f"which its own standard error of {px(error_px)} allows for"
+        what = f"which its own standard error of {px(error_px)}, taken 1.5 times, allows for"
     return (
         f"within the range of the picks its curve is up to {px(off_px)} off that of {best.name}, "
         f"which fits best, {what}"

@@ -38,11 +38,12 @@ from plumbline.fit.task import Solution
 from plumbline.linearised import in_frame, linearise
 
 _MOST_ROUNDS = 12
-_SAME = 5.0
+_SAME, _ROUGHLY = 5.0, 50.0
+_LEAST = 3
 _CHANCE = 0.05
-_MASKED, _WILD = 0.8, 1 / 300
-"""Below this share of the plain fit's σ̂ the believed picks' own, or above this share of R the
-plain fit's, bad picks may be hiding each other.
+_MASKED, _MANY, _WILD = 0.8, 0.02, 1 / 300
+"""Bad picks may be hiding each other where they are more than the second share and leave to the
+others less than the first share of the plain fit's σ̂, or where that exceeds the third share of R.
 """
 
 
@@ -85,8 +86,9 @@ def robust_fits(
         plain_px = float(np.sqrt(np.sum(solution.residual**2) / problem.dof))
         wild = not plain_px < _WILD * problem.blank.frame.radius_px
         if spoiled[index] or wild:
-            masked = wild or not screened.sigma_px[index] > _MASKED * plain_px
             kept = screened.kept[picks.problem == index]
+            many = np.count_nonzero(kept) < (1 - _MANY) * len(kept)
+            masked = wild or (many and not screened.sigma_px[index] > _MASKED * plain_px)
             first = beliefs(problem, solution) if masked else [kept]
             made.append(_best([_fit(problem, belief) for belief in first]))
         elif odd[index]:
@@ -147,6 +149,7 @@ def _fit(problem: Problem, kept: NDArray[np.bool_]) -> Robust | DegenerateLinesE
             by_leverage = any(np.array_equal(kept, other) for other in seen)
         if by_leverage:
             kept = _by_leverage(believed, solution) & ~lost
+            kept &= (np.bincount(picks.line, kept, len(picks.sizes)) >= _LEAST)[picks.line]
     return found
 
 
@@ -171,16 +174,19 @@ def _lost(picks: Picks, screened: Screened) -> NDArray[np.bool_]:
     """
     n = len(picks.sizes)
     counts = np.bincount(picks.line, screened.kept, n)
-    lost = counts < 3
+    lost = counts < _LEAST
     for line in np.flatnonzero(~lost & (2 * counts <= picks.sizes)).tolist():
         lost[line] = _by_chance(picks, screened, line) > _CHANCE
-    for line in np.flatnonzero(~lost & (counts + 3 <= picks.sizes)).tolist():
-        mine = np.flatnonzero((picks.line == line) & screened.kept)
-        for other in np.flatnonzero(~lost & (counts >= counts[line])).tolist():
-            if other == line:
-                continue
-            away = distance_from(picks, mine, screened.lines, other)
-            near = within(screened.lines, picks.ideal.uv[mine], other)
+    starts, lines = np.cumsum(picks.sizes) - picks.sizes, screened.lines
+    for line in np.flatnonzero(~lost & (counts + _LEAST <= picks.sizes)).tolist():
+        first = int(starts[line])
+        mine = first + np.flatnonzero(screened.kept[first : first + int(picks.sizes[line])])
+        middle = np.broadcast_to(lines.centre[line], (n, 2))
+        close = np.abs(lines.place(middle, np.arange(n))[1]) < _ROUGHLY * screened.sigma_px[0]
+        close &= ~lost & (counts >= counts[line]) & (np.arange(n) != line)
+        for other in np.flatnonzero(close).tolist():
+            away = distance_from(picks, mine, lines, other)
+            near = within(lines, picks.ideal.uv[mine], other)
             if np.all(near & (away < _SAME * screened.sigma_px[0])):
                 lost[line] = True
                 break
@@ -189,10 +195,11 @@ def _lost(picks: Picks, screened: Screened) -> NDArray[np.bool_]:
 
 def _by_chance(picks: Picks, screened: Screened, line: int) -> float:
     """How many lines through as many of this line's picks chance would make, at the most."""
-    mine = picks.line == line
-    away, kept = np.abs(screened.distance_px), mine & screened.kept
+    first = int(np.sum(picks.sizes[:line]))
+    mine = slice(first, first + int(picks.sizes[line]))
+    away, kept = np.abs(screened.distance_px[mine]), screened.kept[mine]
     close = max(float(np.max(away[kept], initial=0.0)), float(screened.sigma_px[0]))
-    others = max(float(np.median(away[mine & ~kept])), FINEST_PX)
+    others = max(float(np.median(away[~kept])), FINEST_PX)
     share = min(1.0, close / others)
     agreeing = int(np.count_nonzero(kept))
     return comb(int(picks.sizes[line]), agreeing) * share ** (agreeing - 2)

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +27,9 @@ from plumbline.student import quantile
 _PAIRS, _FEWER_PAIRS = 28, 10
 _CHUNK = 1 << 15
 _MOST_ROUNDS, _GLANCE = 20, 2
-_BEYOND = 2.5
+BEYOND = 2.5
+"""How far beyond a line's own spread a pick may lie along it and still belong to it."""
+_MOST_VOTES = 256
 _MOST_OF_MIDDLE, _MOST_OF_FIRST = 1.3, 1.6
 _CLOSE = 2.5
 _EXACT = 2  # each least-median line runs through two picks, which tell nothing of σ
@@ -154,11 +156,12 @@ def least_median_lines(
     median = np.zeros(len(sizes))
     for size in np.unique(sizes):
         members = np.flatnonzero(sizes == size)
-        step = max(1, _CHUNK // (int(size) * pairs))
+        votes = np.unique(np.linspace(0, size - 1, min(int(size), _MOST_VOTES)).astype(np.int64))
+        step = max(1, _CHUNK // (len(votes) * pairs))
         for first in range(0, len(members), step):
             chosen = members[first : first + step]
-            rows = starts[chosen, None] + np.arange(size)
-            found = _least_median(ideal.uv[rows], scale[rows], _pairs(int(size), pairs))
+            rows = starts[chosen, None] + votes
+            found = _least_median(ideal.uv[rows], scale[rows], _pairs(len(votes), pairs))
             origin[chosen], along[chosen], median[chosen] = found
     return Lines(origin, along, sizes.astype(np.float64), np.ones(len(sizes))), median
 
@@ -210,7 +213,7 @@ def within(lines: Lines, uv: Array, other: int) -> NDArray[np.bool_]:
     """Which points lie along the stretch of photo that a line was picked in, or a little beyond."""
     along, _ = lines.place(uv, np.full(len(uv), other))
     spread = np.sqrt(lines.spread[other] / max(float(lines.count[other]), 1.0))
-    return np.abs(along) <= _BEYOND * spread
+    return np.abs(along) <= BEYOND * spread
 
 
 def distances(picks: Picks, lines: Lines) -> Array:
@@ -258,7 +261,7 @@ def _reach(picks: Picks, kept: NDArray[np.bool_]) -> Array:
     return np.array([reach(dof, count) for dof, count in every])
 
 
-@cache
+@lru_cache(maxsize=4096)
 def reach(dof: int, n: int) -> float:
     """The studentised residual beyond which a pick is suspicious.
 

@@ -13,12 +13,15 @@ from numpy.typing import NDArray
 from plumbline.calibration import Calibration
 from plumbline.fit.oddities import bends, twins
 from plumbline.fit.robust import Robust
-from plumbline.fit.screening import Picks, distance_from, reach, within
+from plumbline.fit.screening import BEYOND, Picks, reach
 from plumbline.frame import Array
-from plumbline.linearised import Linearised
+from plumbline.ideal import Ideal
+from plumbline.linearised import Linearised, across_stretch
 from plumbline.straightness import Lines
 from plumbline.suspect import Kind, Suspect
 from plumbline.wording import count
+
+_LEAST = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,6 +33,7 @@ class _Scene:
         linear: The same, linearised.
         picks: All picks undistorted.
         lines: Lines through the kept ones.
+        photo: Photo of each line.
         starts: First pick of each line.
         distance_px: Distance of each pick from its line in the photograph; of a line left out as
             a whole, from the line that most of its picks agree on.
@@ -41,6 +45,7 @@ class _Scene:
     linear: Linearised
     picks: Picks
     lines: Lines
+    photo: NDArray[np.int64]
     starts: NDArray[np.int64]
     distance_px: Array
     studentised: Array
@@ -77,6 +82,7 @@ def suspects_of(made: Calibration, found: Robust) -> tuple[Suspect, ...]:
         linear,
         found.picks,
         found.screened.lines,
+        np.array([line.photo for line in made.observations.lines]),
         np.searchsorted(linear.line, np.arange(linear.n_lines)),
         np.where(lost_pick, found.screened.distance_px, linear.image_px),
         linear.studentised(made.sigma_px),
@@ -141,18 +147,17 @@ def _on(scene: _Scene, number: int, line: int) -> bool:
 
 def _other_line(scene: _Scene, number: int) -> tuple[int, float] | None:
     """The line that a pick lies on, if it is another one, and its distance from that."""
-    own = int(scene.linear.line[number])
-    photos = [line.photo for line in scene.made.observations.lines]
-    which = np.array([number])
-    best: tuple[int, float] | None = None
-    for other in np.flatnonzero(scene.lines.count >= 3).tolist():
-        uv = scene.picks.ideal.uv[which]
-        if other == own or photos[other] != photos[own] or not within(scene.lines, uv, other)[0]:
-            continue
-        away = float(distance_from(scene.picks, which, scene.lines, other)[0])
-        if away <= scene.within_px and (best is None or away < best[1]):
-            best = other, away
-    return best
+    lines, own = scene.lines, int(scene.linear.line[number])
+    every = np.arange(len(lines.count))
+    uv = np.broadcast_to(scene.picks.ideal.uv[number], (len(every), 2))
+    slopes = np.broadcast_to(scene.picks.ideal.stretch[number], (len(every), 2, 2))
+    along, across = lines.place(uv, every)
+    away = np.abs(across) / across_stretch(Ideal(uv, slopes), lines.across)
+    fits = (lines.count >= _LEAST) & (scene.photo == scene.photo[own]) & (every != own)
+    fits &= np.abs(along) <= BEYOND * np.sqrt(lines.spread / np.maximum(lines.count, 1.0))
+    away = np.where(fits & np.isfinite(away), away, np.inf)
+    best = int(np.argmin(away))
+    return (best, float(away[best])) if away[best] <= scene.within_px else None
 
 
 def _lost_line(scene: _Scene, line: int, unclear: set[int]) -> Suspect | None:
@@ -172,10 +177,11 @@ def _lost_line(scene: _Scene, line: int, unclear: set[int]) -> Suspect | None:
 
 
 def _bent_line(scene: _Scene, line: int, bend_px: float) -> Suspect:
-    rows = scene.linear.line == line
+    size = len(scene.made.kept[line])
+    rows = int(scene.starts[line]) + np.arange(size)
     return Suspect(
         line,
-        tuple(range(int(np.count_nonzero(rows)))),
+        tuple(range(size)),
         "bent line",
         bend_px,
         float(np.max(np.abs(scene.studentised[rows]))),

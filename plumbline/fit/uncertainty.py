@@ -225,7 +225,7 @@ def refuse_collapsed(lens: Lens, scale: float, folded: int) -> None:
     """
     hint = (
         "check that every pick is on its line and that the photo's size (and --grid) is right; "
-        "else free fewer coefficients, or add lines"
+        "--robust leaves single wrong picks out; else free fewer coefficients, or add lines"
     )
     if folded:
         raise CollapsedFitError(

@@ -70,7 +70,7 @@ def print_summary(
         for note in [note for note in made.notes if note not in told]:
             told.add(note)
             _print_note(console, note)
-        print_suspects(console, made.suspects, everything=verbose)
+        print_suspects(console, made.suspects, everything=verbose or made.robust)
     for note in notes:
         _print_note(console, note)
     for path in written:
