@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import isfinite
 from typing import Any
 
 from plumbline.calibration import Calibration
@@ -92,9 +93,14 @@ def _row(candidate: Candidate) -> dict[str, Any]:
         "coefficients": None if made is None else made.coefficients,
         "standard_errors": None if made is None else made.standard_errors,
         "rms_after_px": None if made is None else made.rms_after_px,
-        "aicc": candidate.aicc,
-        "left_out_px": candidate.left_out_px,
-        "difference_px": candidate.difference_px,
-        "error_px": candidate.error_px,
+        "aicc": _finite(candidate.aicc),
+        "left_out_px": _finite(candidate.left_out_px),
+        "difference_px": _finite(candidate.difference_px),
+        "error_px": _finite(candidate.error_px),
         "fold_px": candidate.fold_px,
     }
+
+
+def _finite(value: float | None) -> float | None:
+    """A number that JSON has; None for what so few picks do not tell, or a lens that folds."""
+    return value if value is not None and isfinite(value) else None

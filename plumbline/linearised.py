@@ -38,6 +38,7 @@ class Linearised:
         stretch: Pixels of the corrected photo across the line for one of the photograph, (n,).
         along_px: Position along the line, in the corrected photo, shape (n,).
         line_leverage: 1/n + t²/Σt² of each pick on its line, shape (n,).
+        image: Whether `residual_px` is measured in the photograph.
     """
 
     line: NDArray[np.int64]
@@ -49,11 +50,17 @@ class Linearised:
     stretch: Array
     along_px: Array
     line_leverage: Array
+    image: bool
 
     @property
     def n_lines(self) -> int:
         """Number of lines."""
         return int(self.line[-1]) + 1 if len(self.line) else 0
+
+    @property
+    def in_photo(self) -> Array:
+        """Pixels of the photograph for one of `residual_px`, shape (n,)."""
+        return np.ones_like(self.stretch) if self.image else 1 / self.stretch
 
     @property
     def normal(self) -> Array:
@@ -169,6 +176,7 @@ def linearise(
         stretch=stretch,
         along_px=along,
         line_leverage=leverage,
+        image=image,
     )
 
 

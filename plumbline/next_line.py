@@ -44,8 +44,7 @@ def next_line(made: Calibration) -> NextLine | None:
     if now is None:
         return None
     linear = made.linearised
-    weight = 1 / linear.stretch if made.residual == "corrected" else np.ones_like(linear.stretch)
-    seen = (linear.jacobian * weight[:, None])[linear.kept]
+    seen = (linear.jacobian * linear.in_photo[:, None])[linear.kept]
     best: NextLine | None = None
     for place, points_px in candidates(made.lens.frame.size).items():
         more = linearise(

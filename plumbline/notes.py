@@ -91,6 +91,6 @@ def _corrected(made: Calibration) -> str:
     if made.residual == "image":
         return ""
     return (
-        "residuals of the corrected photo weigh the picks unevenly: the standard errors are "
-        "approximate (--residual image has exact ones)"
+        "residuals of the corrected photo weigh the picks unevenly; the standard errors allow for "
+        "it, and those of --residual image are smaller"
     )

@@ -52,7 +52,7 @@ def jackknife(linear: Linearised) -> Jackknife | None:
     shifts = linear.without_each_line()
     if shifts is None:
         return None
-    used = np.unique(linear.line[linear.kept])
+    used = np.flatnonzero(np.bincount(linear.line[linear.kept], minlength=linear.n_lines) >= 3)
     if len(used) < 2:
         return None
     shifts = shifts[used]
@@ -88,13 +88,16 @@ def model_error(
     """
     powers = lens.model.richer(free)
     moved = motions(lens, free, grid_px(lens), powers)
-    design = np.concatenate((linear.jacobian, linear.extra), axis=1)[linear.kept]
+    # In the photograph, where every pick has the same σ.
+    columns = np.concatenate((linear.jacobian, linear.extra), axis=1)
+    design = (columns * linear.in_photo[:, None])[linear.kept]
     unit = _inverse_normal(design)
     if moved is None or unit is None:
         return None
-    k, residual_px = len(free), linear.residual_px[linear.kept]
+    k, residual_px = len(free), linear.image_px[linear.kept]
+    own = design[:, :k]
     step = -unit @ (design.T @ residual_px)
-    step[:k] += np.linalg.pinv(linear.normal) @ (design[:, :k].T @ residual_px)
+    step[:k] += np.linalg.pinv(own.T @ own) @ (own.T @ residual_px)
     size = np.hypot(*np.einsum("nik,k->in", moved, step))
     worst = int(np.argmax(size))
     effect = moved[worst] @ unit[:, k:] @ np.linalg.inv(unit[k:, k:])

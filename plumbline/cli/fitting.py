@@ -106,13 +106,18 @@ def draw(
     from plumbline.report.writing import report_contents
 
     comparisons: list[Comparison | None] = []
+    failed: list[str] = []
     for made in calibrations if report is not None else ():
         try:
             comparisons.append(_compared(made.kept_observations, narration))
-        except PlumblineError:
-            comparisons.append(None)  # a lens with barely enough picks for its own model
+        except PlumblineError as error:
+            comparisons.append(None)
+            failed.append(f"models are not compared in the report: {error.message}")
     with narration.status("Drawing…"):
-        return report_contents(calibrations, report, plots, comparisons=comparisons, **where)
+        drawn, notes = report_contents(
+            calibrations, report, plots, comparisons=comparisons, **where
+        )
+    return drawn, [*notes, *failed]
 
 
 def _compared(part: Observations, narration: Console) -> Comparison:

@@ -83,8 +83,7 @@ def twins(line: NDArray[np.int64], along: Array, across: Array) -> NDArray[np.in
     order = known[np.lexsort((along[known], line[known]))]
     first, second = order[:-1], order[1:]
     same = line[first] == line[second]
-    with np.errstate(invalid="ignore"):  # two picks beyond the fold are no pair
-        gap = np.hypot(along[second] - along[first], across[second] - across[first])
+    gap = np.hypot(along[second] - along[first], across[second] - across[first])
     close = same & (gap < _SAME_PLACE_PX)
     if not np.any(close):
         return np.zeros((0, 2), dtype=np.int64)

@@ -171,9 +171,9 @@ def _why_taken(choice: Choice) -> str:
     off_px, error_px = taken.difference_px or 0.0, taken.error_px or 0.0
     if len(taken.free) > len(best.free):
         return (
-            f"its standard error of {px(error_px)}, taken 1.5 times, allows for all models that the picks do not "
-            f"rule out; that of {best.name}, which fits best for its number of coefficients, does "
-            "not"
+            f"its standard error of {px(error_px)}, taken 1.5 times, allows for all models that "
+            f"the picks do not rule out; that of {best.name}, which fits best for its number of "
+            "coefficients, does not"
         )
     if off_px <= MATTERS_PX:
         what = f"which is less than {px(MATTERS_PX)} and does not matter"

@@ -143,7 +143,8 @@ def _fit(problem: Problem, kept: NDArray[np.bool_]) -> Robust | DegenerateLinesE
         solution = solve(problem.model, believed.task)
         picks = picks_at([problem], [solution])
         found = Robust(believed, solution, picks, screen(picks))
-        lost = _lost(picks, found.screened)[picks.line]
+        photos = np.array([line.photo for line in problem.observations.lines])
+        lost = _lost(picks, found.screened, photos)[picks.line]
         if not by_leverage:
             kept = found.screened.kept & ~lost
             by_leverage = any(np.array_equal(kept, other) for other in seen)
@@ -167,10 +168,11 @@ def _by_leverage(believed: Problem, solution: Solution) -> NDArray[np.bool_]:
     return np.abs(linear.studentised(sigma_px)) < reach(believed.dof, len(linear.line))
 
 
-def _lost(picks: Picks, screened: Screened) -> NDArray[np.bool_]:
+def _lost(picks: Picks, screened: Screened, photos: NDArray[np.int64]) -> NDArray[np.bool_]:
     """Lines that nothing can be learnt from.
 
-    So few picks agree that they may do so by chance, or most lie on another line and some do not.
+    So few picks agree that they may do so by chance, or most lie on another line of the photo and
+    some do not.
     """
     n = len(picks.sizes)
     counts = np.bincount(picks.line, screened.kept, n)
@@ -184,6 +186,7 @@ def _lost(picks: Picks, screened: Screened) -> NDArray[np.bool_]:
         middle = np.broadcast_to(lines.centre[line], (n, 2))
         close = np.abs(lines.place(middle, np.arange(n))[1]) < _ROUGHLY * screened.sigma_px[0]
         close &= ~lost & (counts >= counts[line]) & (np.arange(n) != line)
+        close &= photos == photos[line]
         for other in np.flatnonzero(close).tolist():
             away = distance_from(picks, mine, lines, other)
             near = within(lines, picks.ideal.uv[mine], other)

@@ -92,10 +92,7 @@ def suspects_of(made: Calibration, found: Robust) -> tuple[Suspect, ...]:
     sigma_px = np.full(linear.n_lines, made.sigma_px)
     bend_px, bent = bends(linear.line, linear.along_px, linear.image_px, sigma_px)
     away = {int(n): _other_line(scene, int(n)) for n in np.flatnonzero(~kept)}
-    agreeing = found.screened.kept
-    unclear = {
-        n for n, there in away.items() if not there and agreeing[n] and linear.line[n] in lost
-    }
+    unclear = _unclear(scene, lost, away, found.screened.kept)
     wrong = [
         _wrong_pick(scene, number, away, on_bent=bool(bent[linear.line[number]]))
         for number in away
@@ -114,6 +111,26 @@ def suspects_of(made: Calibration, found: Robust) -> tuple[Suspect, ...]:
         *whole,
         *(_twins(scene, one, two) for one, two in pairs.tolist()),
     )
+
+
+def _unclear(
+    scene: _Scene,
+    lost: list[int],
+    away: dict[int, tuple[int, float] | None],
+    agreeing: NDArray[np.bool_],
+) -> set[int]:
+    """Picks of lines left out as a whole that nobody can call wrong.
+
+    Those that agree on a line; or all others, where that line is another one.
+    """
+    unclear: set[int] = set()
+    for line in lost:
+        first = int(scene.starts[line])
+        rows = range(first, first + len(scene.made.kept[line]))
+        elsewhere = [n for n in rows if agreeing[n] and away[n]]
+        taken = 2 * len(elsewhere) > int(np.count_nonzero(agreeing[rows.start : rows.stop]))
+        unclear |= {n for n in rows if not away[n] and (agreeing[n] or taken)}
+    return unclear
 
 
 def _wrong_pick(

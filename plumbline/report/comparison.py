@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import isfinite
+
 from rich import box
 from rich.console import Console
 from rich.markup import escape
@@ -48,21 +50,26 @@ def comparison_table(comparison: Comparison) -> Table:
     least = min(each.aicc for each in comparison.candidates if each.aicc is not None)
     for index, candidate in enumerate(comparison.candidates):
         style = "bold" if index == comparison.recommended else None
-        table.add_row(candidate.name, *_figures(candidate, least), style=style)
+        table.add_row(candidate.name, *figures(candidate, least), style=style)
     return table
 
 
-def _figures(candidate: Candidate, least: float) -> list[str]:
+def figures(candidate: Candidate, least: float) -> list[str]:
+    """The numbers of a row: rms, AICc above the lowest, lines left out, off the best, fold."""
     made = candidate.calibration
     if made is None or candidate.aicc is None:
-        return ["no fit"]
+        return ["no fit", "", "", "", ""]
     return [
         f"{made.rms_after_px:.3f}",
-        f"{candidate.aicc - least:+.1f}",
-        "" if candidate.left_out_px is None else f"{candidate.left_out_px:.3f}",
-        "" if candidate.difference_px is None else f"{candidate.difference_px:.2f}",
+        _shown(candidate.aicc - least if isfinite(candidate.aicc) else None, "+.1f"),
+        _shown(candidate.left_out_px, ".3f"),
+        _shown(candidate.difference_px, ".2f"),
         "no" if candidate.fold_px is None else f"at {candidate.fold_px:,.0f} px",
     ]
+
+
+def _shown(value: float | None, form: str) -> str:
+    return format(value, form) if value is not None and isfinite(value) else "–"
 
 
 def coefficient_texts(made: Calibration) -> list[str]:

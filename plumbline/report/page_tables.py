@@ -9,7 +9,7 @@ import numpy as np
 from plumbline.calibration import Calibration
 from plumbline.comparison import Candidate, Comparison
 from plumbline.models import CENTRE
-from plumbline.report.comparison import coefficient_texts
+from plumbline.report.comparison import coefficient_texts, figures
 from plumbline.report.markup import Element, Node, table, tag
 from plumbline.report.page_figures import photo_name
 from plumbline.report.terminal import decimals
@@ -150,17 +150,9 @@ def _candidate(each: Candidate, index: int, compared: Comparison) -> list[Node]:
     model = tag("div", name, equals)
     made = each.calibration
     if made is None or each.aicc is None:
-        return [model, each.failure, *["no fit"], *[""] * 4]
+        return [model, each.failure, *figures(each, 0.0)]
     least = min(other.aicc for other in compared.candidates if other.aicc is not None)
-    return [
-        model,
-        ", ".join(coefficient_texts(made)),
-        f"{made.rms_after_px:.3f}",
-        f"{each.aicc - least:+.1f}",
-        "" if each.left_out_px is None else f"{each.left_out_px:.3f}",
-        "" if each.difference_px is None else f"{each.difference_px:.2f}",
-        "no" if each.fold_px is None else f"at {each.fold_px:,.0f} px",
-    ]
+    return [model, ", ".join(coefficient_texts(made)), *figures(each, least)]
 
 
 def quote(made: Calibration) -> Iterator[str]:

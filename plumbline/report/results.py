@@ -44,4 +44,6 @@ def _belongs_together(made: Calibration) -> bool:
     """Whether there are picks to judge by, and the lens reaches all of them without a fold."""
     kept = np.concatenate(made.kept)
     centre = float(made.lens.model.factor(np.float64(0.0), made.lens.vector))
-    return centre > 0 and bool(kept.any()) and np.array_equal(made.linearised.kept, kept)
+    used = sum(bool(which.any()) for which in made.kept)
+    dof = int(np.count_nonzero(kept)) - 2 * used - len(made.free)
+    return made.dof == dof and centre > 0 and np.array_equal(made.linearised.kept, kept)
