@@ -21,7 +21,7 @@ from plumbline.straightness import Lines
 from plumbline.suspect import Kind, Suspect
 from plumbline.wording import count
 
-_LEAST = 3
+_LEAST, _EXCHANGED = 3, 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,15 +121,15 @@ def _unclear(
 ) -> set[int]:
     """Picks of lines left out as a whole that nobody can call wrong.
 
-    Those that agree on a line; or all others, where that line is another one.
+    Those that agree on a line; or all the rest, where some lie on other lines, since those that
+    agree may do so on another line too.
     """
     unclear: set[int] = set()
     for line in lost:
         first = int(scene.starts[line])
         rows = range(first, first + len(scene.made.kept[line]))
-        elsewhere = [n for n in rows if agreeing[n] and away[n]]
-        taken = 2 * len(elsewhere) > int(np.count_nonzero(agreeing[rows.start : rows.stop]))
-        unclear |= {n for n in rows if not away[n] and (agreeing[n] or taken)}
+        exchanged = sum(away[n] is not None for n in rows) >= _EXCHANGED
+        unclear |= {n for n in rows if not away[n] and (agreeing[n] or exchanged)}
     return unclear
 
 
