@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plumbline._version import __version__
-from plumbline.bootstrap import Bootstrap
 from plumbline.checks import Check, before_fit
 from plumbline.displacement import Displacement, displacement_errors, grid_px
 from plumbline.errors import UnsettledError
@@ -21,6 +20,7 @@ from plumbline.lens import Lens
 from plumbline.linearised import Linearised, in_frame, linearise
 from plumbline.notes import notes_on
 from plumbline.observations import Observations
+from plumbline.resampling import Bootstrap
 from plumbline.straightness import LineStraightness, largest, rms, straightness_before
 from plumbline.student import quantile
 from plumbline.suspect import Suspect

@@ -14,7 +14,6 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from plumbline.bootstrap import Bootstrap
 from plumbline.calibration import Calibration
 from plumbline.errors import PlumblineError, ReadError
 from plumbline.facts import LensFacts
@@ -23,6 +22,7 @@ from plumbline.frame import Array
 from plumbline.lens import Lens
 from plumbline.models import get_model
 from plumbline.observations import Line, Observations, Origin, Photo
+from plumbline.resampling import Bootstrap
 from plumbline.result_json import FORMAT_VERSION
 from plumbline.suspect import KINDS, Suspect
 

@@ -20,7 +20,7 @@ FLOORS = [
     ("frame", "facts", "picks", "observations"),
     ("models",),
     ("lens", "finding", "ideal", "displacement", "straightness"),
-    ("linearised", "suspect", "trust", "checks", "bootstrap"),
+    ("linearised", "suspect", "trust", "checks", "resampling"),
     ("next_line", "trust_checks", "notes", "calibration", "comparison"),
     ("result_json", "result_reading"),
     ("fit",),

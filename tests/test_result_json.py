@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from scipy import stats
 
 import plumbline
-from plumbline.bootstrap import Bootstrap
 from plumbline.calibration import Calibration
 from plumbline.errors import ReadError
 from plumbline.facts import LensFacts
@@ -26,6 +25,7 @@ from plumbline.frame import Frame
 from plumbline.lens import Lens
 from plumbline.models import get_model
 from plumbline.observations import Line, Observations, Origin, Photo
+from plumbline.resampling import Bootstrap
 from plumbline.result_json import to_json
 from plumbline.result_reading import from_json
 from plumbline.suspect import Suspect

@@ -15,7 +15,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from plumbline.bootstrap import Bootstrap
 from plumbline.calibration import Calibration
 from plumbline.errors import DegenerateLinesError, OptionError
 from plumbline.fit.outcome import is_settled
@@ -25,6 +24,7 @@ from plumbline.fit.task import Solution, Task
 from plumbline.frame import Array
 from plumbline.ideal import undistorted
 from plumbline.linearised import in_frame
+from plumbline.resampling import Bootstrap
 from plumbline.straightness import fit_lines
 
 _LEAST, _MOST = 50, 100_000

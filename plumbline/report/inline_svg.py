@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from typing import Any
 
+from plumbline.errors import printable
 from plumbline.report.figures import style
 from plumbline.report.markup import Element
 
@@ -41,7 +42,7 @@ def inline(figure: Any, prefix: str, description: str) -> Element:
     for name in ("width", "height", "version"):
         root.attrib.pop(name, None)
     root.set("role", "img")
-    root.set("aria-label", description)
+    root.set("aria-label", printable(description))
     return root
 
 

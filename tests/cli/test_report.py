@@ -196,3 +196,14 @@ def test_several_lenses_are_numbered(run: Run) -> None:
         "Wrote zoom.3.curve.svg",
     ]
     assert Path("zoom.html").read_text().count("<h2>") == 3
+
+
+def test_names_that_are_no_text(run: Run) -> None:
+    try:
+        Path("building.pto").rename("bad\udcff.pto")
+        Path("facade.jpg").rename("bad\udcff.jpg")
+    except (OSError, UnicodeEncodeError):
+        pytest.skip("this file system takes only names that are text")
+    done = run("fit", "bad\udcff.pto", "--photo", "bad\udcff.jpg", "--report", "x.html")
+    assert done.status == 0
+    assert b"</html>" in Path("x.html").read_bytes()

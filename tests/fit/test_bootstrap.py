@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from functools import cache as remembered
+from types import ModuleType
 
 import numpy as np
 import pytest
 
+import plumbline
 from plumbline import calibrate
 from plumbline.calibration import Calibration, ResidualKind
 from plumbline.errors import OptionError
@@ -104,3 +106,10 @@ def test_senseless_numbers_of_fits_are_refused(fits: int) -> None:
     with pytest.raises(OptionError, match="makes no sense") as caught:
         bootstrap(plain(), fits)
     assert "from 50 to 100,000" in caught.value.hint
+
+
+def test_the_public_name_stays_the_function_once_a_fit_was_made() -> None:
+    # A module of the package under a public name would take its place when it is imported.
+    for name in plumbline.__all__:
+        assert not isinstance(getattr(plumbline, name), ModuleType), name
+    assert callable(plumbline.bootstrap)
