@@ -88,7 +88,7 @@ def placed_lines(observations: Observations) -> Placed:
     """Where the lines lie, from the observed points."""
     frames = [observations.photos[line.photo].frame for line in observations.lines]
     points = _points(observations)
-    sizes = np.array([len(line.points_px) for line in observations.lines], dtype=np.int64)
+    sizes = observations.sizes
     number = line_numbers(sizes)
     lines = fit_lines(points, sizes, np.ones(len(points)))
     along, _ = lines.place(points, number)

@@ -16,6 +16,8 @@ converge is no exception: see `Calibration.converged`.
 
 from __future__ import annotations
 
+from collections.abc import Generator
+from contextlib import contextmanager
 from pathlib import Path
 
 
@@ -31,6 +33,17 @@ class PlumblineError(Exception):
         super().__init__(message)
         self.message = message
         self.hint = hint
+
+
+@contextmanager
+def about(what: str) -> Generator[None]:
+    """Begin the sentence of an error that is raised here with what it is about."""
+    try:
+        yield
+    except PlumblineError as error:
+        error.message = f"{what}{error.message}"
+        error.args = (error.message,)
+        raise
 
 
 def printable(text: str) -> str:

@@ -89,8 +89,10 @@ class LensFacts:
         Raises:
             OptionError: that in pixels differs by more than 2 % from that in millimetres.
         """
+        if not self.focal_px:
+            return
         in_mm = replace(self, focal_px=None, hfov_deg=None).focal_length_px(frame)
-        if self.focal_px and in_mm and abs(self.focal_px / in_mm - 1) > _SAME_FOCAL:
+        if in_mm and abs(self.focal_px / in_mm - 1) > _SAME_FOCAL:
             raise OptionError(
                 f"contradictory focal lengths: {self.focal_mm:g} mm at a crop factor of "
                 f"{self.crop_factor:.4g} are {in_mm:.0f} px, not {self.focal_px:g}",

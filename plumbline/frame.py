@@ -8,7 +8,9 @@ Tools, LensFun), or of the focal length (OpenCV, Adobe).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -45,12 +47,12 @@ class Frame:
         """The image centre in the photo's own pixels."""
         return (self.width - 1) / 2, (self.height - 1) / 2
 
-    @property
+    @cached_property
     def radius_px(self) -> float:
         """R, half the shorter side at square pixels: where the normalised radius is 1."""
         return min(self.square_size) / 2
 
-    @property
+    @cached_property
     def corner_radius(self) -> float:
         """Normalised radius of the photo's corners about the image centre."""
         width, height = self.square_size
@@ -88,3 +90,19 @@ class Frame:
         """Centres of the four corner pixels, shape (4, 2)."""
         right, bottom = self.width - 1.0, self.height - 1.0
         return np.array([[0.0, 0.0], [right, 0.0], [right, bottom], [0.0, bottom]])
+
+
+def normalised(
+    points_px: Array, frames: Sequence[Frame], which: NDArray[np.int64], units_px: Sequence[float]
+) -> Array:
+    """`Frame.normalise` for points of many photos at once.
+
+    Args:
+        points_px: Shape (n, 2), each in its own photo's pixels.
+        frames: The photos.
+        which: Photo of each point, shape (n,).
+        units_px: Length of one normalised unit in square pixels, for each photo.
+    """
+    centres = np.array([frame.centre_px for frame in frames])
+    sides = np.array([(frame.pixel_aspect, 1.0) for frame in frames])
+    return (points_px - centres[which]) * (sides / np.array(units_px)[:, None])[which]

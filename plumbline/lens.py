@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import isfinite
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -46,7 +47,7 @@ class Lens:
         names = (*self.model.coefficients, *CENTRE)
         if set(names) != set(self.coefficients):
             raise OptionError(f"a {self.model.label} lens has the coefficients {', '.join(names)}")
-        if not all(np.isfinite(value) for value in self.coefficients.values()):
+        if not all(map(isfinite, self.coefficients.values())):
             raise OptionError("a coefficient of the lens is not finite")
         if self.model.unit == "focal length" and not (self.focal_px and self.focal_px > 0):
             raise OptionError(

@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from plumbline.errors import DegenerateLinesError, OptionError, ReadError
 from plumbline.facts import LensFacts
@@ -102,10 +103,15 @@ class Observations:
         origins = tuple(dict.fromkeys(origin for part in parts for origin in part.origins))
         return cls(tuple(photos), tuple(lines), tuple(lenses), notes, origins)
 
+    @cached_property
+    def sizes(self) -> NDArray[np.int64]:
+        """Number of points of each line, shape (l,)."""
+        return np.array([len(line.points_px) for line in self.lines], dtype=np.int64)
+
     @property
     def n_points(self) -> int:
         """Number of points on all lines."""
-        return sum(len(line.points_px) for line in self.lines)
+        return int(self.sizes.sum())
 
     def of_lens(self, lens: int) -> Observations:
         """Only the photos and lines taken with lens number `lens` (from 0)."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,7 +35,7 @@ class Photo:
     number: int = 0
     source: str = ""
 
-    @property
+    @cached_property
     def frame(self) -> Frame:
         """The photo's rectangle.
 

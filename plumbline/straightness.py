@@ -135,7 +135,7 @@ def straightness_before(
     points = np.concatenate(
         [frames[line.photo].normalise(line.points_px, 1.0) for line in observations.lines]
     )
-    sizes = np.array([len(line.points_px) for line in observations.lines], dtype=np.int64)
+    sizes = observations.sizes
     every = np.ones(len(points), dtype=np.bool_)
     drawn = every if kept is None else drawn_through(np.concatenate(kept), sizes)
     lines = fit_lines(points, sizes, drawn.astype(np.float64))

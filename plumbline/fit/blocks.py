@@ -8,20 +8,19 @@ Padding has weight 0.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import groupby
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from plumbline.frame import Array
+from plumbline.frame import Array, normalised
 from plumbline.observations import Observations
 
 _LEAST_ROWS = 16
 _COARSE = 1024
-_WIDTHS = 8, 32, 128
+_WIDTHS, _ADVANTAGE = np.array([8, 32, 128]), np.array([1.0, 1.2, 1.3])
 
 
 AnyArray: TypeAlias = Any
@@ -67,53 +66,81 @@ class Packed:
         return np.asarray(values).reshape(-1, *np.shape(values)[2:])[self.cells]
 
 
-def pack(observations: Observations, unit_px: float) -> Packed:
-    """Pack the lines of one lens.
+def pack(observations: Sequence[Observations], units_px: Sequence[float]) -> list[Packed]:
+    """Pack the lines of lenses whose blocks have one shape.
 
     Args:
-        observations: Checked observations.
-        unit_px: Square pixels to a normalised radius of 1.
+        observations: Checked observations of one lens each, of one `shape_of`.
+        units_px: Square pixels to a normalised radius of 1, for each.
     """
-    sizes = np.array([len(line.points_px) for line in observations.lines], dtype=np.int64)
-    return _packed(np.concatenate(list(_normalised(observations, unit_px))), sizes)
+    sizes = np.concatenate([each.sizes for each in observations])
+    counts = np.array([len(each.sizes) for each in observations])
+    rows, width = shape_of(observations[0])
+    first_line = np.cumsum(counts) - counts
+    rows_of = -(-sizes // width)
+    taken = np.cumsum(rows_of) - rows_of
+    own = np.repeat(np.arange(len(counts)), counts)
+    first_row = taken - taken[first_line][own] + rows * own
+    first_point = np.cumsum(sizes) - sizes
+    cells = np.repeat(first_row * width - first_point, sizes) + np.arange(sizes.sum())
+    xy, weight = np.zeros((len(counts) * rows * width, 2)), np.zeros(len(counts) * rows * width)
+    xy[cells] = _normalised(observations, units_px)
+    weight[cells] = 1.0
+    row_line = np.full(len(counts) * rows, rows - 1, dtype=np.int32)
+    rows_used = np.repeat(first_row - taken, rows_of) + np.arange(rows_of.sum())
+    row_line[rows_used] = np.repeat(np.arange(len(sizes)) - first_line[own], rows_of)
+    blocks = map(
+        Block,
+        xy.reshape(-1, rows, width, 2),
+        weight.reshape(-1, rows, width),
+        row_line.reshape(-1, rows),
+    )
+    ends = np.cumsum(np.add.reduceat(sizes, first_line))[:-1]
+    places = np.split(cells, ends) if len(ends) else [cells]
+    return [
+        Packed(block, place - number * rows * width if number else place, each.sizes)
+        for number, (block, place, each) in enumerate(
+            zip(blocks, places, observations, strict=True)
+        )
+    ]
 
 
-def _normalised(observations: Observations, unit_px: float) -> Iterator[Array]:
-    """Points of neighbouring lines in one photo, normalised together."""
-    for photo, lines in groupby(observations.lines, key=lambda line: line.photo):
-        points_px = np.concatenate([line.points_px for line in lines])
-        yield observations.photos[photo].frame.normalise(points_px, unit_px)
+def _normalised(observations: Sequence[Observations], units_px: Sequence[float]) -> Array:
+    """All points, lens after lens and line after line, shape (n, 2)."""
+    points_px = np.concatenate([line.points_px for each in observations for line in each.lines])
+    frames = [photo.frame for each in observations for photo in each.photos]
+    units = [u for u, each in zip(units_px, observations, strict=True) for _ in each.photos]
+    if len(frames) == 1:
+        return frames[0].normalise(points_px, units[0])
+    counts = np.array([len(each.photos) for each in observations])
+    first_photo = (np.cumsum(counts) - counts).tolist()
+    photo = [
+        first + line.photo
+        for first, each in zip(first_photo, observations, strict=True)
+        for line in each.lines
+    ]
+    sizes = np.concatenate([each.sizes for each in observations])
+    return normalised(points_px, frames, np.repeat(photo, sizes), units)
 
 
-def pack_points(lines: Sequence[Array]) -> Packed:
-    """Pack normalised lines, each of shape (n, 2)."""
-    sizes = np.array([len(points) for points in lines], dtype=np.int64)
-    return _packed(np.concatenate(list(lines)), sizes)
+def unpack(packed: Sequence[Packed], values: Sequence[AnyArray]) -> Array:
+    """Values of blocks of one shape, (rows, width, ...) each, for the points alone.
+
+    Shape (n, ...), problem after problem in the order of the lines.
+    """
+    if len(packed) == 1:
+        return packed[0].unpack(values[0])
+    whole = np.stack(values)
+    cells = np.prod(packed[0].shape)
+    places = np.concatenate([number * cells + each.cells for number, each in enumerate(packed)])
+    return whole.reshape(-1, *whole.shape[3:])[places]
 
 
 def shape_of(observations: Observations) -> tuple[int, int]:
     """Rows and width of the block that these lines are packed into."""
-    sizes = np.array([len(line.points_px) for line in observations.lines], dtype=np.int64)
+    sizes = observations.sizes
     width = _width(sizes)
     return bucket(int((-(-sizes // width)).sum())), width
-
-
-def _packed(points: Array, sizes: NDArray[np.int64]) -> Packed:
-    width = _width(sizes)
-    rows_of = -(-sizes // width)
-    first_row = np.cumsum(rows_of) - rows_of
-    rows = bucket(int(rows_of.sum()))
-    first_point = np.cumsum(sizes) - sizes
-    within = np.arange(sizes.sum()) - np.repeat(first_point, sizes)
-    cells = np.repeat(first_row * width, sizes) + within
-    xy = np.zeros((rows * width, 2))
-    xy[cells] = points
-    weight = np.zeros(rows * width)
-    weight[cells] = 1.0
-    row_line = np.full(rows, rows - 1, dtype=np.int32)
-    row_line[: rows_of.sum()] = np.repeat(np.arange(len(sizes)), rows_of)
-    block = Block(xy.reshape(rows, width, 2), weight.reshape(rows, width), row_line)
-    return Packed(block, cells, sizes)
 
 
 def bucket(rows: int) -> int:
@@ -130,5 +157,5 @@ def bucket(rows: int) -> int:
 
 def _width(sizes: NDArray[np.int64]) -> int:
     """The width that pads least; ties go to the narrower."""
-    cells = [int((-(-sizes // width) * width).sum()) for width in _WIDTHS]
-    return _WIDTHS[int(np.argmin(np.array(cells) / np.array([1.0, 1.2, 1.3])))]
+    cells = (-(-sizes // _WIDTHS[:, None]) * _WIDTHS[:, None]).sum(axis=1)
+    return int(_WIDTHS[np.argmin(cells / _ADVANTAGE)])

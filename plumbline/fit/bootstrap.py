@@ -18,7 +18,7 @@ import numpy as np
 from plumbline.calibration import Calibration
 from plumbline.errors import DegenerateLinesError, OptionError
 from plumbline.fit.outcome import is_settled
-from plumbline.fit.problem import Problem, pixels_of_centre, prepare
+from plumbline.fit.problem import Problem, prepare
 from plumbline.fit.solve import BATCH, solve_many
 from plumbline.fit.task import Solution, Task
 from plumbline.frame import Array
@@ -65,7 +65,7 @@ def bootstrap(
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         for solutions in pool.map(solved, range(len(sizes))):
             found += [
-                (solution.coefficients * pixels_of_centre(problem.blank))[chosen]
+                (solution.coefficients * problem.to_px)[chosen]
                 for solution in solutions
                 if is_settled(solution, problem.blank)
             ]

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Generator, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager, nullcontext
 from dataclasses import replace
 
 from plumbline.calibration import Calibration, ResidualKind
-from plumbline.errors import CollapsedFitError, DegenerateLinesError, PlumblineError
+from plumbline.errors import CollapsedFitError, DegenerateLinesError, PlumblineError, about
 from plumbline.fit.blocks import shape_of
-from plumbline.fit.outcome import finish
-from plumbline.fit.problem import Problem, Start, prepare
+from plumbline.fit.outcome import finish, finish_many
+from plumbline.fit.problem import Problem, Start, prepare, prepare_many
 from plumbline.fit.robust import Robust, robust_fits
 from plumbline.fit.solve import BATCH, solve, solve_many
 from plumbline.fit.suspects import suspects_of
@@ -67,7 +66,7 @@ def calibrate(
     problem = prepare(observations, get_model(model), free, hold, start, residual)
     solution = solve(problem.model, problem.task)
     if problem.plan.staged:
-        return _finished([problem], [solution], [0], robust=robust)[0]
+        return _finished([problem], [solution], [""], robust=robust)[0]
     from_zero = replace(problem, task=problem.task._replace(staged=True))
     return _compared_with_zero(problem, solution, from_zero, robust=robust)
 
@@ -109,14 +108,10 @@ def calibrate_many(
     ]
 
     def fitted(chunk: list[int]) -> list[Calibration]:
-        problems: list[Problem] = []
-        for index in chunk:
-            with _numbered(index):
-                made = prepare(observations[index], get_model(model), chosen, held, None, residual)
-            problems.append(made)
-        tasks = [problem.task for problem in problems]
-        solutions = solve_many(get_model(model), tasks)
-        return _finished(problems, solutions, chunk, robust=robust, numbered=True)
+        some, names = [observations[index] for index in chunk], [f"lens {i}: " for i in chunk]
+        problems = prepare_many(some, names, get_model(model), chosen, held, None, residual)
+        solutions = solve_many(get_model(model), [problem.task for problem in problems])
+        return _finished(problems, solutions, names, robust=robust)
 
     results: dict[int, Calibration] = {}
     with ThreadPoolExecutor(os.cpu_count()) as pool:
@@ -128,41 +123,24 @@ def calibrate_many(
 def _finished(
     problems: Sequence[Problem],
     solutions: Sequence[Solution],
-    numbers: Sequence[int],
+    names: Sequence[str],
     *,
     robust: bool,
-    numbered: bool = False,
 ) -> list[Calibration]:
-    """Calibrations of one model with their suspects; `numbers` name the lenses in errors."""
+    """Calibrations of one model with their suspects; errors begin with the lens's name."""
+    found = robust_fits(problems, solutions)
+    if not robust:
+        plain = zip(finish_many(problems, solutions, names), found, strict=True)
+        return [made if other is None else _accused(made, other) for made, other in plain]
     made: list[Calibration] = []
-    every = zip(numbers, problems, solutions, robust_fits(problems, solutions), strict=True)
-    for number, problem, solution, found in every:
-        with _numbered(number) if numbered else nullcontext():
-            made.append(_judged(problem, solution, found, robust=robust))
+    for problem, solution, other, name in zip(problems, solutions, found, names, strict=True):
+        with about(name):
+            one = finish(problem, solution) if other is None else _suspecting(other)
+        made.append(replace(one, robust=True))
     return made
 
 
-def _judged(
-    problem: Problem,
-    solution: Solution,
-    found: Robust | DegenerateLinesError | None,
-    *,
-    robust: bool,
-) -> Calibration:
-    """The plain or the robust fit, with the suspects that the robust one names."""
-    if found is None:
-        return replace(finish(problem, solution), robust=robust)
-    if robust:
-        return replace(_with_suspects(found), robust=True)
-    plain = finish(problem, solution)
-    try:
-        return replace(plain, suspects=_with_suspects(found).suspects)
-    except DegenerateLinesError as error:
-        note = f"which picks are wrong cannot be told: without the suspicious ones {error.message}"
-        return replace(plain, remarks=(*plain.remarks, note))
-
-
-def _with_suspects(found: Robust | DegenerateLinesError) -> Calibration:
+def _suspecting(found: Robust | DegenerateLinesError) -> Calibration:
     """The robust fit and what it suspects.
 
     Raises:
@@ -170,19 +148,17 @@ def _with_suspects(found: Robust | DegenerateLinesError) -> Calibration:
     """
     if isinstance(found, DegenerateLinesError):
         raise found
-    believed = finish(found.problem, found.solution)
-    return replace(believed, suspects=suspects_of(believed, found))
+    made = finish(found.problem, found.solution)
+    return replace(made, suspects=suspects_of(made, found))
 
 
-@contextmanager
-def _numbered(index: int) -> Generator[None]:
-    """Say which lens of many an error is about."""
+def _accused(plain: Calibration, found: Robust | DegenerateLinesError) -> Calibration:
+    """The plain fit with the picks that the robust one suspects."""
     try:
-        yield
-    except PlumblineError as error:
-        error.message = f"lens {index}: {error.message}"
-        error.args = (error.message,)
-        raise
+        return replace(plain, suspects=_suspecting(found).suspects)
+    except DegenerateLinesError as error:
+        note = f"which picks are wrong cannot be told: without the suspicious ones {error.message}"
+        return replace(plain, remarks=(*plain.remarks, note))
 
 
 def _compared_with_zero(
@@ -191,7 +167,7 @@ def _compared_with_zero(
     """The fit from the user's start vector; if the one from zero ends lower, both are told."""
 
     def fitted(which: Problem, found: Solution) -> Calibration:
-        return _finished([which], [found], [0], robust=robust)[0]
+        return _finished([which], [found], [""], robust=robust)[0]
 
     try:
         from_zero = fitted(staged, solve(staged.model, staged.task))

@@ -1,21 +1,25 @@
-"""From what the solver found to a calibration, unless that would be nonsense."""
+"""From what the solver found to calibrations, unless that would be nonsense."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from plumbline.calibration import Calibration
-from plumbline.fit.problem import Problem, pixels_of_centre
-from plumbline.fit.task import Solution
-from plumbline.fit.uncertainty import (
+from plumbline.errors import about
+from plumbline.fit.blocks import unpack
+from plumbline.fit.problem import Problem
+from plumbline.fit.refusals import (
     refuse_bent,
     refuse_collapsed,
+    refuse_undetermined,
     refuse_unobservable,
-    sandwich,
-    unit_covariance,
 )
+from plumbline.fit.task import Solution
+from plumbline.fit.uncertainty import corner_errors, sandwich, unit_covariances
+from plumbline.frame import Array
 from plumbline.lens import Lens
 from plumbline.models import CENTRE
 from plumbline.straightness import by_line
@@ -34,40 +38,77 @@ def finish(problem: Problem, solution: Solution) -> Calibration:
         DegenerateLinesError: the lines do not determine the free coefficients.
         CollapsedFitError: the fit reached a small residual by a nonsensical lens.
     """
-    packed, chosen = problem.packed, problem.plan
-    lens = lens_of(problem, solution)
-    refuse_collapsed(lens, float(solution.scale), int(solution.folded))
-    fitted = packed.unpack(solution.residual)
-    residuals_px = by_line(fitted, packed.sizes)
-    sigma_px = float(np.sqrt(fitted @ fitted / problem.dof))
-    labels = [line.label for line in problem.observations.lines]
-    refuse_bent(sigma_px, lens.frame.radius_px, labels, residuals_px)
-    free, to_px = problem.task.free, pixels_of_centre(problem.blank)
-    unit = unit_covariance(solution.normal[np.ix_(free, free)])
-    unit = unit * np.outer(to_px[free], to_px[free])
-    refuse_unobservable(lens, chosen.free, unit, sigma_px)
+    return finish_many([problem], [solution], [""])[0]
+
+
+def finish_many(
+    problems: Sequence[Problem], solutions: Sequence[Solution], names: Sequence[str]
+) -> list[Calibration]:
+    """The same for problems of one model whose blocks have one shape.
+
+    Errors begin with the name of the lens that they are about.
+    """
+    chosen = np.stack([problem.task.free for problem in problems])
+    unit = unit_covariances(np.stack([solution.normal for solution in solutions]), chosen)
+    found = np.stack([solution.coefficients for solution in solutions])
+    corner = np.array([problem.task.corner for problem in problems])
+    model, k = problems[0].model, len(problems[0].model.coefficients)
+    corners = corner_errors(model, found[:, :k], unit.covariance[:, :k, :k], corner)
+    residuals_px = unpack(
+        [problem.packed for problem in problems], [solution.residual for solution in solutions]
+    )
+    ends = np.cumsum([len(problem.kept) for problem in problems])[:-1]
+    made: list[Calibration] = []
+    every = zip(problems, solutions, np.split(residuals_px, ends), names, strict=True)
+    for index, (problem, solution, residual_px, name) in enumerate(every):
+        with about(name):
+            lens, radius_px = lens_of(problem, solution), problem.blank.frame.radius_px
+            refuse_collapsed(lens, float(solution.scale), int(solution.folded))
+            sigma_px = float(np.sqrt(residual_px @ residual_px / problem.dof))
+            by_lines_px = by_line(residual_px.copy(), problem.packed.sizes)
+            refuse_bent(sigma_px, radius_px, problem.observations.lines, by_lines_px)
+            refuse_undetermined(unseen=bool(unit.unseen[index]), mixed=bool(unit.mixed[index]))
+            covariance = unit.covariance[index] * np.outer(problem.to_px, problem.to_px)
+            centre_px = float(np.sqrt(np.max(np.diagonal(covariance)[-2:])))
+            corner_px = float(corners[index]) * lens.unit_px
+            refuse_unobservable(centre_px, corner_px, radius_px, sigma_px)
+            free = problem.task.free
+            covariance = sigma_px**2 * covariance[free][:, free]
+            made.append(_made(problem, solution, lens, covariance, sigma_px, by_lines_px))
+    return made
+
+
+def _made(
+    problem: Problem,
+    solution: Solution,
+    lens: Lens,
+    covariance: Array,
+    sigma_px: float,
+    residuals_px: tuple[Array, ...],
+) -> Calibration:
     converged = is_settled(solution, lens)
+    n_kept = int(np.count_nonzero(problem.kept))
     made = Calibration(
         observations=problem.observations,
         lens=lens,
-        free=chosen.free,
-        start=dict(chosen.start),
+        free=problem.plan.free,
+        start=dict(problem.plan.start),
         residual=problem.residual,
-        covariance=sigma_px**2 * unit,
+        covariance=covariance,
         sigma_px=sigma_px,
         dof=problem.dof,
         residuals_px=residuals_px,
-        rms_corrected_px=float(np.sqrt(solution.corrected_square / np.count_nonzero(problem.kept))),
+        rms_corrected_px=float(np.sqrt(solution.corrected_square / n_kept)),
         converged=converged,
         reason="the fit ended in a minimum"
         if converged
         else f"the fit stopped after {int(solution.steps)} steps without reaching a minimum",
-        remarks=chosen.notes,
-        kept=by_line(problem.kept, packed.sizes),
+        remarks=problem.plan.notes,
+        kept=by_line(problem.kept, problem.packed.sizes),
     )
     if problem.residual == "corrected":
         made = _with_sandwich(made)
-    return made if problem.kept.all() else _with_left_out(made)
+    return made if n_kept == len(problem.kept) else _with_left_out(made)
 
 
 def is_settled(solution: Solution, lens: Lens) -> bool:
@@ -77,12 +118,11 @@ def is_settled(solution: Solution, lens: Lens) -> bool:
 
 def lens_of(problem: Problem, solution: Solution) -> Lens:
     """The lens that the solver found."""
-    names = (*problem.model.coefficients, *CENTRE)
-    to_px = pixels_of_centre(problem.blank)
-    found = dict(zip(names, (solution.coefficients * to_px).tolist(), strict=True))
-    plan = problem.plan
+    blank, plan = problem.blank, problem.plan
+    values = (solution.coefficients * problem.to_px).tolist()
+    found = dict(zip((*problem.model.coefficients, *CENTRE), values, strict=True))
     held = {name: value for name, value in plan.start.items() if name not in plan.free}
-    return replace(problem.blank, coefficients=found | held)
+    return Lens(blank.model, blank.frame, found | held, blank.focal_px)
 
 
 def _with_sandwich(made: Calibration) -> Calibration:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plumbline.calibration import ResidualKind
-from plumbline.errors import DegenerateLinesError, OptionError
+from plumbline.errors import DegenerateLinesError, OptionError, about
 from plumbline.facts import LensFacts
-from plumbline.fit.blocks import Packed, pack
+from plumbline.fit.blocks import Packed, pack, unpack
 from plumbline.fit.options import Plan, plan
+from plumbline.fit.refusals import degrees_of_freedom, reach_of_lines, refuse_blind
 from plumbline.fit.task import Task
-from plumbline.fit.uncertainty import degrees_of_freedom, refuse_blind
 from plumbline.frame import Array, Frame
 from plumbline.lens import Lens
 from plumbline.models import CENTRE, Model
@@ -38,6 +38,7 @@ class Problem:
         kept: Which of them are fitted, in the order of the lines, shape (n,).
         task: The problem for the solver.
         blank: The lens before the fit.
+        to_px: What each coefficient is multiplied with on the way out: `d`, `e` come in pixels.
         dof: Degrees of freedom.
     """
 
@@ -49,6 +50,7 @@ class Problem:
     kept: NDArray[np.bool_]
     task: Task
     blank: Lens
+    to_px: Array
     dof: int
 
     def keeping(self, kept: NDArray[np.bool_]) -> Problem:
@@ -79,8 +81,53 @@ def prepare(
         OptionError: an argument is unknown or contradicts the observations.
         DegenerateLinesError: the lines cannot show any distortion.
     """
+    return prepare_many([observations], [""], model, free, hold, start, residual)[0]
+
+
+def prepare_many(
+    observations: Sequence[Observations],
+    names: Sequence[str],
+    model: Model,
+    free: Iterable[str] | None,
+    hold: Iterable[str],
+    start: Start,
+    residual: ResidualKind,
+) -> list[Problem]:
+    """The same for lenses whose blocks have one shape; errors begin with the lens's name."""
     if residual not in ("image", "corrected"):
         raise OptionError(f"the residual is image or corrected, not {residual!r}")
+    chosen, held = None if free is None else tuple(free), tuple(hold)
+    plans: list[Plan] = []
+    blanks: list[Lens] = []
+    for each, name in zip(observations, names, strict=True):
+        with about(name):
+            made, blank = _planned(each, model, chosen, held, start)
+        plans.append(made)
+        blanks.append(blank)
+    packed = pack(observations, [blank.unit_px for blank in blanks])
+    points = unpack(packed, [each.block.xy for each in packed])
+    if not np.all(np.isfinite(points)):
+        for each, name in zip(observations, names, strict=True):
+            with about(name):
+                each.checked()  # says which point it is
+    problems = [
+        _problem(each, made, blank, block, residual, name)
+        for each, made, blank, block, name in zip(
+            observations, plans, blanks, packed, names, strict=True
+        )
+    ]
+    _refuse_blind(problems, points, names)
+    return problems
+
+
+def _planned(
+    observations: Observations,
+    model: Model,
+    free: tuple[str, ...] | None,
+    hold: tuple[str, ...],
+    start: Start,
+) -> tuple[Plan, Lens]:
+    """What is fitted, and the lens before the fit."""
     facts = _only_lens(observations)
     if not observations.lines:
         raise DegenerateLinesError(
@@ -89,33 +136,59 @@ def prepare(
     chosen = plan(model, facts, free, hold, start)
     frame = _common_frame(observations, chosen, model)
     facts.refuse_contradiction(frame)
-    blank = Lens(model, frame, dict(chosen.start), focal_px=facts.focal_length_px(frame))
-    packed = pack(observations, blank.unit_px)
-    if not np.all(np.isfinite(packed.block.xy)):
-        observations.checked()  # says which point it is
-    dof = degrees_of_freedom(observations.n_points, len(observations.lines), len(chosen.free))
+    return chosen, Lens(model, frame, dict(chosen.start), focal_px=facts.focal_length_px(frame))
+
+
+def _problem(
+    observations: Observations,
+    chosen: Plan,
+    blank: Lens,
+    packed: Packed,
+    residual: ResidualKind,
+    name: str,
+) -> Problem:
+    model, unit_px = blank.model, blank.unit_px
+    radius = blank.frame.radius_px / unit_px
+    with about(name):
+        n_points, n_lines = len(packed.cells), len(packed.sizes)
+        dof = degrees_of_freedom(n_points, n_lines, len(chosen.free))
+    to_px = np.ones(len(model.coefficients) + 2)
+    to_px[-2:] = 1 / blank.frame.per_px(unit_px)
     names = (*model.coefficients, *CENTRE)
-    to_unit = pixels_of_centre(blank)
-    centre = np.array([chosen.start[name] for name in CENTRE]) / to_unit[-2:]
-    points = packed.unpack(packed.block.xy) - centre
-    refuse_blind(
-        points * blank.unit_px / frame.radius_px,
-        packed.sizes,
-        frame.radius_px,
-        known_centre=not set(CENTRE) & set(chosen.free),
-    )
     task = Task(
         block=packed.block,
-        start=np.array([chosen.start[name] for name in names]) / to_unit,
+        start=np.array([chosen.start[name] for name in names]) / to_px,
         free=np.array([name in chosen.free for name in names]),
         staged=chosen.staged,
         image=residual == "image",
-        unit_px=blank.unit_px,
-        gauge_radius=model.gauge * frame.radius_px / blank.unit_px,
-        corner=frame.corner_radius * frame.radius_px / blank.unit_px,
+        unit_px=unit_px,
+        gauge_radius=model.gauge * radius,
+        corner=blank.frame.corner_radius * radius,
     )
-    kept = np.ones(observations.n_points, dtype=np.bool_)
-    return Problem(observations, model, chosen, residual, packed, kept, task, blank, dof)
+    kept = np.ones(n_points, dtype=np.bool_)
+    return Problem(observations, model, chosen, residual, packed, kept, task, blank, to_px, dof)
+
+
+def _refuse_blind(problems: Sequence[Problem], points: Array, names: Sequence[str]) -> None:
+    """Stop where no line can show any distortion, before a fit is tried."""
+    radii = np.array([each.blank.frame.radius_px / each.blank.unit_px for each in problems])
+    centres = np.stack([each.task.start[-2:] for each in problems])
+    counts = np.array([len(each.kept) for each in problems])
+    sizes = np.concatenate([each.packed.sizes for each in problems])
+    seen = (points - np.repeat(centres, counts, axis=0)) / np.repeat(radii, counts)[:, None]
+    distance, half_length = reach_of_lines(seen, sizes)
+    ends = np.cumsum([len(each.packed.sizes) for each in problems]).tolist()
+    first = 0
+    for problem, name, end in zip(problems, names, ends, strict=True):
+        own = slice(first, end)
+        first = end
+        with about(name):
+            refuse_blind(
+                distance[own],
+                half_length[own],
+                problem.blank.frame.radius_px,
+                known_centre=not set(CENTRE) & set(problem.plan.free),
+            )
 
 
 def _only_lens(observations: Observations) -> LensFacts:
@@ -147,10 +220,3 @@ def _common_frame(observations: Observations, chosen: Plan, model: Model) -> Fra
                 hint="fit them one orientation at a time, or hold it at 0",
             )
     return first
-
-
-def pixels_of_centre(lens: Lens) -> Array:
-    """What each coefficient is multiplied with on the way out: `d`, `e` come in pixels."""
-    size = np.ones(len(lens.model.coefficients) + 2)
-    size[-2:] = 1 / lens.frame.per_px(lens.unit_px)
-    return size

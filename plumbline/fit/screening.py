@@ -16,6 +16,7 @@ from functools import cache, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from plumbline.fit.blocks import unpack
 from plumbline.fit.problem import Problem
 from plumbline.fit.task import Solution
 from plumbline.frame import Array
@@ -80,13 +81,10 @@ def picks_at(problems: Sequence[Problem], solutions: Sequence[Solution]) -> Pick
     of_problem = np.repeat(np.arange(len(problems)), counts)
     units = np.array([problem.blank.unit_px for problem in problems])[of_problem, None]
     found = np.stack([solution.coefficients for solution in solutions])[of_problem]
-    observed = np.concatenate([p.packed.unpack(p.packed.block.xy) for p in problems])
+    packed = [problem.packed for problem in problems]
+    observed = unpack(packed, [each.block.xy for each in packed])
     ideal = np.stack(
-        [
-            np.concatenate([p.packed.unpack(v) for p, v in zip(problems, values, strict=True)])
-            for values in ([s.u for s in solutions], [s.v for s in solutions])
-        ],
-        axis=1,
+        (unpack(packed, [s.u for s in solutions]), unpack(packed, [s.v for s in solutions])), axis=1
     )
     slopes = stretch(model, found[:, :-2].T, observed - found[:, -2:], ideal)
     sizes = np.concatenate([problem.packed.sizes for problem in problems])

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from plumbline.fit.problem import Problem, pixels_of_centre
+from plumbline.fit.problem import Problem
 from plumbline.fit.screening import Picks, closest, distances, least_median_lines, picks_at
 from plumbline.fit.task import Solution
 from plumbline.frame import Array
@@ -73,7 +73,7 @@ def beliefs(problem: Problem, plain: Solution) -> list[NDArray[np.bool_]]:
 def _seen(problem: Problem) -> _Seen:
     packed = problem.packed
     held = np.array([problem.plan.start[name] for name in CENTRE])
-    observed = packed.unpack(packed.block.xy) - held / pixels_of_centre(problem.blank)[-2:]
+    observed = packed.unpack(packed.block.xy) - held / problem.to_px[-2:]
     far2 = float(np.max(np.sum(observed**2, axis=1)))
     return _Seen(observed, packed.sizes, far2, problem.blank.unit_px)
 

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 import jax
 import numpy as np
 
-from plumbline.fit.blocks import AnyArray
 from plumbline.fit.programs import program
 from plumbline.fit.task import Solution, Task
 from plumbline.models.base import Model
@@ -48,12 +47,6 @@ def _solve_batch(model: Model, tasks: Sequence[Task]) -> list[Solution]:
     filled = [*tasks, *[tasks[-1]] * (BATCH - len(tasks))]
     stacked = jax.tree.map(lambda *leaves: np.stack(leaves), *filled)
     with jax.enable_x64(True):
-        solved = jax.tree.map(np.asarray, program(model, stacked, BATCH)(stacked))
-    return [_one_of(solved, index) for index in range(len(tasks))]
-
-
-def _one_of(solved: Solution, index: int) -> Solution:
-    def take(leaf: AnyArray) -> AnyArray:
-        return leaf[index]
-
-    return jax.tree.map(take, solved)
+        solved = program(model, stacked, BATCH)(stacked)
+    leaves = [np.asarray(leaf)[: len(tasks)] for leaf in solved]
+    return [Solution(*each) for each in zip(*leaves, strict=True)]

@@ -22,7 +22,7 @@ from plumbline.errors import (
     UnsupportedModelError,
 )
 from plumbline.facts import LensFacts
-from plumbline.fit.uncertainty import refuse_bent, refuse_collapsed
+from plumbline.fit.refusals import refuse_bent, refuse_collapsed
 from plumbline.frame import Frame
 from plumbline.lens import Lens
 from plumbline.models import CENTRE, MODELS, get_model
@@ -614,6 +614,7 @@ def test_picks_on_no_lines_are_refused() -> None:
 
 def test_the_line_that_strays_most_is_named() -> None:
     good, bad = np.array([0.3, -0.3]), np.array([90.0, -120.0])
-    refuse_bent(20.0, 750.0, ["roof", "sill"], [good, bad])
+    lines = [Line(np.zeros((2, 2)), 0, label) for label in ("roof", "sill")]
+    refuse_bent(20.0, 750.0, lines, [good, bad])
     with pytest.raises(DegenerateLinesError, match="those of line sill by 106 px"):
-        refuse_bent(53.0, 750.0, ["roof", "sill"], [good, bad])
+        refuse_bent(53.0, 750.0, lines, [good, bad])

@@ -10,12 +10,12 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from plumbline.fit.blocks import Block, pack_points
+from plumbline.fit.blocks import Block, Packed, pack
 from plumbline.fit.residual import residuals
 from plumbline.fit.task import Residuals
 from plumbline.models import MODELS, get_model
 from plumbline.models.inverse import REACH
-from plumbline.observations import Observations
+from plumbline.observations import Line, Observations, Photo
 from plumbline.straightness import along_and_across, straightness_before
 from tests import truth
 from tests.truth import TrueLens
@@ -75,6 +75,11 @@ def computed(lens: TrueLens, c: Array, block: Block) -> tuple[Residuals, Residua
         return jax.tree.map(np.asarray, program(lens.name)(jnp.asarray(c), points, unit, reach))
 
 
+def packed_for(lens: TrueLens, lines: list[Array]) -> Packed:
+    picked = tuple(Line(points, 0, str(number)) for number, points in enumerate(lines))
+    return pack([Observations((Photo(lens.size),), picked)], [lens.unit_px])[0]
+
+
 def normalised(lens: TrueLens, lines: list[Array]) -> list[Array]:
     middle = (np.array(lens.size) - 1) / 2
     return [(points - middle) / lens.unit_px for points in lines]
@@ -103,7 +108,7 @@ def test_residuals_agree_with_svd_and_numerical_derivatives(
     name: str, centre: dict[str, float]
 ) -> None:
     lens, lines = straightening(name, **centre), wavering()
-    packed = pack_points(normalised(lens, lines))
+    packed = packed_for(lens, lines)
     value = computed(lens, vector(lens), packed.block)[0]
     for kind, in_photo in (("corrected", False), ("image", True)):
         ours = np.split(packed.unpack(getattr(value, kind)), np.cumsum(packed.sizes)[:-1])
@@ -118,7 +123,7 @@ def test_residuals_agree_with_svd_and_numerical_derivatives(
 @every_model
 def test_determinant_is_the_local_area(name: str) -> None:
     lens, lines, h = straightening(name, d=10.0), wavering(), 0.05
-    packed = pack_points(normalised(lens, lines))
+    packed = packed_for(lens, lines)
     value = computed(lens, vector(lens), packed.block)[0]
     points = np.concatenate(lines)
     right, down = np.array([h, 0.0]), np.array([0.0, h])
@@ -133,7 +138,7 @@ def test_determinant_is_the_local_area(name: str) -> None:
 def test_jacobian_agrees_with_central_differences(name: str, share: float) -> None:
     """In all coefficients and the centre, fourth order."""
     lens, lines = straightening(name, d=31.0, e=-22.0), wavering()
-    block = pack_points(normalised(lens, lines)).block
+    block = packed_for(lens, lines).block
     c, h = share * vector(lens), 1e-4
     derivative = computed(lens, c, block)[1]
     kernel = np.array([1.0, -8.0, 8.0, -1.0]) / 12 / h
@@ -154,7 +159,7 @@ def test_jacobian_agrees_with_central_differences(name: str, share: float) -> No
 def test_padding_and_empty_rows_are_zero_and_never_nan(name: str) -> None:
     lens, lines = straightening(name), wavering()
     padded = [*lines[:5], *[points[:3] for points in lines[5:]]]  # 21 of 32 rows used, or fewer
-    block = _like(pack_points(normalised(lens, padded)).block, 32)
+    block = _like(packed_for(lens, padded).block, 32)
     nothing = block.weight == 0
     assert 100 < np.count_nonzero(nothing) < block.weight.size
     for c in (vector(lens), np.zeros(len(vector(lens)))):
@@ -181,7 +186,7 @@ def _like(block: Block, rows: int) -> Block:
 
 def test_the_size_of_the_bucket_changes_nothing() -> None:
     lens, lines = straightening("ptlens"), wavering()
-    packed = pack_points(normalised(lens, lines))
+    packed = packed_for(lens, lines)
     assert packed.shape == (32, 8)
     usual = computed(lens, vector(lens), packed.block)
     larger = computed(lens, vector(lens), _like(packed.block, 64))
@@ -194,7 +199,7 @@ def test_the_size_of_the_bucket_changes_nothing() -> None:
 def test_the_width_of_the_bucket_changes_nothing() -> None:
     """Points of one line over several rows, or all in one, as they come to fall."""
     lens, lines = straightening("ptlens"), wavering()
-    packed = pack_points(normalised(lens, lines))
+    packed = packed_for(lens, lines)
     points = normalised(lens, lines)
     wide = Block(
         np.array([np.vstack((each, np.zeros((20, 2)))) for each in points]),
@@ -209,10 +214,12 @@ def test_the_width_of_the_bucket_changes_nothing() -> None:
 
 def test_every_point_comes_back_from_its_cell() -> None:
     rng = np.random.default_rng(0)
-    lines = [rng.standard_normal((n, 2)) for n in (3, 8, 9, 16, 17, 4)]
-    packed = pack_points(lines)
+    lens = straightening("ptlens")
+    lines = [rng.uniform(0, 1000, (n, 2)) for n in (3, 8, 9, 16, 17, 4)]
+    packed = packed_for(lens, lines)
     assert packed.block.weight.sum() == sum(len(line) for line in lines)
-    np.testing.assert_array_equal(packed.unpack(packed.block.xy), np.concatenate(lines))
+    points = np.concatenate(normalised(lens, lines))
+    np.testing.assert_allclose(packed.unpack(packed.block.xy), points, rtol=0, atol=1e-15)
     numbers = np.repeat(np.arange(6), [len(line) for line in lines])
     of_cell = np.broadcast_to(packed.block.row_line[:, None], packed.block.weight.shape)
     np.testing.assert_array_equal(packed.unpack(of_cell), numbers)
@@ -243,7 +250,7 @@ def test_directions_of_lines_are_all_alike(direction: tuple[float, float]) -> No
     points = np.array([1499.5, 1124.5]) + 150 * t[:, None] * along + off[:, None] * across
     lens = TrueLens("ptlens", {})
     lines = [points + np.array([3.0 * i, 2.0 * i]) for i in range(16)]
-    packed = pack_points(normalised(lens, lines))
+    packed = packed_for(lens, lines)
     value, derivative = computed(lens, vector(lens), packed.block)
     for kind in ("image", "corrected"):
         found = packed.unpack(getattr(value, kind)).reshape(16, 12)
@@ -259,7 +266,7 @@ def test_points_without_a_direction_give_no_nan() -> None:
     square = np.array([[0.0, 0.0], [100.0, 0.0], [100.0, 100.0], [0.0, 100.0]])
     lens = TrueLens("ptlens", {})
     lines = [np.tile(square, (3, 1)) + 40.0 * i for i in range(16)]
-    value, derivative = computed(lens, vector(lens), pack_points(normalised(lens, lines)).block)
+    value, derivative = computed(lens, vector(lens), packed_for(lens, lines).block)
     for values in (*value, *derivative):
         assert np.all(np.isfinite(values))
     assert 50.0 - 1e-9 <= np.max(np.abs(value.corrected)) <= 50.0 * np.sqrt(2) + 1e-9
@@ -268,7 +275,7 @@ def test_points_without_a_direction_give_no_nan() -> None:
 def test_picks_beyond_the_fold_are_told_and_pushed_back() -> None:
     b = -0.3
     lens, lines = TrueLens("ptlens", {"b": b}), TrueLens("ptlens", {}).lines()
-    packed = pack_points(normalised(lens, lines))
+    packed = packed_for(lens, lines)
     value, derivative = computed(lens, vector(lens), packed.block)
     farthest = 2 / 3 * (1 - b) * np.sqrt((b - 1) / (3 * b))
     r = np.hypot(*np.concatenate(normalised(lens, lines)).T)
