@@ -153,7 +153,7 @@ def linearise(
     drawn = drawn_through(counts, sizes) & seen
     lines = fit_lines(ideal.uv, sizes, drawn.astype(np.float64))
     along, distance = lines.place(ideal.uv, line)
-    stretch = across_stretch(ideal, lines.across[line])
+    stretch = across_stretch(ideal, lines, line)
     scale = stretch if image else np.ones_like(stretch)
 
     def projected(moved: Array) -> Array:
@@ -180,14 +180,18 @@ def linearise(
     )
 
 
-def across_stretch(ideal: Ideal, normal: Array) -> Array:
+def across_stretch(ideal: Ideal, lines: Lines, line: NDArray[np.int64]) -> Array:
     """How far a step across a line in the photograph reaches in the corrected photo, (n,).
 
     Args:
         ideal: The points.
-        normal: Unit normal in the corrected photo for each point, shape (n, 2).
+        lines: The lines, in the corrected photo.
+        line: Which of them each point is compared with, shape (n,).
     """
-    return np.hypot(*np.einsum("nij,ni->jn", ideal.stretch, normal))
+    nx, ny = -lines.along[:, 1][line], lines.along[:, 0][line]
+    xx, xy, yx, yy = ideal.stretch.reshape(-1, 4).T
+    across_x, across_y = nx * xx + ny * yx, nx * xy + ny * yy
+    return np.sqrt(across_x * across_x + across_y * across_y)
 
 
 def _without_line(

@@ -46,7 +46,7 @@ def bends(line: NDArray[np.int64], along: Array, distance_px: Array, sigma_px: A
     number = np.maximum(total(np.ones_like(r)), 1.0)
     t = t - (total(t) / number)[line]
     spread = np.where(total(t * t) > 0, total(t * t), np.inf)
-    t = t / np.sqrt(spread / number)[line]
+    t = np.where(known, t / np.sqrt(spread / number)[line], 0.0)
 
     def straightened(values: Array) -> Array:
         mean, slope = total(values) / number, total(values * t) / np.maximum(total(t * t), 1e-300)
@@ -58,10 +58,9 @@ def bends(line: NDArray[np.int64], along: Array, distance_px: Array, sigma_px: A
     whole, explained = total(r * r), curve**2 * size
     rest = np.sqrt(np.maximum(whole - explained, 0.0) / np.maximum(number - 3, 1.0))
     error = np.maximum(rest, sigma_px)
-    ends = np.zeros(n), np.zeros(n)
-    np.maximum.at(ends[0], line, np.where(known, t, -np.inf))
-    np.minimum.at(ends[1], line, np.where(known, t, np.inf))
-    bend_px = np.abs(curve) * ((ends[0] - ends[1]) / 2) ** 2
+    starts = np.searchsorted(line, np.arange(n))
+    length = np.maximum.reduceat(t, starts) - np.minimum.reduceat(t, starts)
+    bend_px = np.abs(curve) * (length / 2) ** 2
     bent = (number >= _LEAST_PICKS) & (np.abs(curve) * np.sqrt(size) > _BEND * error)
     return Bends(bend_px, bent & (explained > _EXPLAINED * whole))
 
@@ -80,7 +79,8 @@ def twins(line: NDArray[np.int64], along: Array, across: Array) -> NDArray[np.in
         Places of the two picks of each pair, shape (m, 2).
     """
     known = np.flatnonzero(np.isfinite(along + across))
-    order = known[np.lexsort((along[known], line[known]))]
+    reach = 2 * np.max(np.abs(along[known]), initial=1.0)
+    order = known[np.argsort(line[known] + along[known] / (2 * reach))]
     first, second = order[:-1], order[1:]
     same = line[first] == line[second]
     gap = np.hypot(along[second] - along[first], across[second] - across[first])

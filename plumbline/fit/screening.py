@@ -203,7 +203,7 @@ def distance_from(picks: Picks, which: NDArray[np.int64], lines: Lines, other: i
     _, across = lines.place(picks.ideal.uv[which], line)
     ideal = Ideal(picks.ideal.uv[which], picks.ideal.stretch[which])
     with np.errstate(invalid="ignore", divide="ignore"):
-        image = np.abs(across) / across_stretch(ideal, lines.across[line])
+        image = np.abs(across) / across_stretch(ideal, lines, line)
     return np.where(np.isfinite(image), image, np.inf)
 
 
@@ -218,22 +218,23 @@ def distances(picks: Picks, lines: Lines) -> Array:
     """Distances in the photograph; infinite beyond the fold of the model."""
     _, distance = lines.place(picks.ideal.uv, picks.line)
     with np.errstate(invalid="ignore", divide="ignore"):
-        image = distance / across_stretch(picks.ideal, lines.across[picks.line])
+        image = distance / across_stretch(picks.ideal, lines, picks.line)
     return np.where(np.isfinite(image), image, np.inf)
 
 
 def _middle(picks: Picks, distance_px: Array, exact: int) -> Array:
     """σ of each problem from the middle of its distances, `exact` a line that are 0 left aside."""
     n_problems = len(picks.n_free)
-    order = np.lexsort((distance_px, picks.problem))
     counts = np.bincount(picks.problem, minlength=n_problems)
-    firsts = np.searchsorted(picks.problem, np.arange(n_problems))
+    ordered = np.full((n_problems, int(counts.max())), np.inf)
+    ordered[np.arange(ordered.shape[1]) < counts[:, None]] = distance_px
+    ordered.sort(axis=1)
     lines_of = np.bincount(
         picks.problem[np.cumsum(picks.sizes) - picks.sizes], minlength=n_problems
     )
     nothing = exact * lines_of
     rank = np.minimum(nothing + (counts - nothing) // 2, counts - 1)
-    middle = distance_px[order[firsts + rank]]
+    middle = ordered[np.arange(n_problems), rank]
     return np.maximum(np.where(np.isfinite(middle), 1.4826 * middle, np.inf), FINEST_PX)
 
 

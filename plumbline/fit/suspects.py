@@ -169,7 +169,7 @@ def _other_line(scene: _Scene, number: int) -> tuple[int, float] | None:
     uv = np.broadcast_to(scene.picks.ideal.uv[number], (len(every), 2))
     slopes = np.broadcast_to(scene.picks.ideal.stretch[number], (len(every), 2, 2))
     along, across = lines.place(uv, every)
-    away = np.abs(across) / across_stretch(Ideal(uv, slopes), lines.across)
+    away = np.abs(across) / across_stretch(Ideal(uv, slopes), lines, every)
     fits = (lines.count >= _LEAST) & (scene.photo == scene.photo[own]) & (every != own)
     fits &= np.abs(along) <= BEYOND * np.sqrt(lines.spread / np.maximum(lines.count, 1.0))
     away = np.where(fits & np.isfinite(away), away, np.inf)
