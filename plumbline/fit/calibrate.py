@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Iterable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections import deque
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
+
+import numpy as np
 
 from plumbline.calibration import Calibration, ResidualKind
 from plumbline.errors import CollapsedFitError, DegenerateLinesError, PlumblineError, about
@@ -13,14 +15,17 @@ from plumbline.fit.blocks import shape_of
 from plumbline.fit.outcome import finish, finish_many
 from plumbline.fit.problem import Problem, Start, prepare, prepare_many
 from plumbline.fit.robust import Robust, robust_fits
-from plumbline.fit.solve import BATCH, solve, solve_many
+from plumbline.fit.solve import BATCH, launch, solve
 from plumbline.fit.suspects import suspects_of
 from plumbline.fit.task import Solution
 from plumbline.models import get_model
 from plumbline.observations import Observations
 
 _CHUNK = 4 * BATCH
-"""Problems that a thread fits and screens in one go."""
+"""Problems that are prepared, fitted, screened and finished in one go."""
+
+_AHEAD = 2
+"""How many of these are prepared while JAX fits those before and a thread finishes others."""
 
 
 def calibrate(
@@ -107,17 +112,30 @@ def calibrate_many(
         for first in range(0, len(members), _CHUNK)
     ]
 
-    def fitted(chunk: list[int]) -> list[Calibration]:
-        some, names = [observations[index] for index in chunk], [f"lens {i}: " for i in chunk]
-        problems = prepare_many(some, names, get_model(model), chosen, held, None, residual)
-        solutions = solve_many(get_model(model), [problem.task for problem in problems])
-        return _finished(problems, solutions, names, robust=robust)
+    made: list[Calibration] = []
+    running: deque[Future[list[Calibration]]] = deque()
+    with ThreadPoolExecutor(1) as pool:
+        for chunk in chunks:
+            some, names = [observations[index] for index in chunk], [f"lens {i}: " for i in chunk]
+            problems = prepare_many(some, names, get_model(model), chosen, held, None, residual)
+            solutions = launch(get_model(model), [problem.task for problem in problems])
+            running.append(pool.submit(_finished_later, problems, solutions, names, robust=robust))
+            if len(running) > _AHEAD:
+                made += running.popleft().result()
+        for last in running:
+            made += last.result()
+    order = np.argsort([index for chunk in chunks for index in chunk])
+    return [made[place] for place in order.tolist()]
 
-    results: dict[int, Calibration] = {}
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        for chunk, calibrations in zip(chunks, pool.map(fitted, chunks), strict=True):
-            results.update(zip(chunk, calibrations, strict=True))
-    return [results[index] for index in range(len(observations))]
+
+def _finished_later(
+    problems: Sequence[Problem],
+    solutions: Callable[[], list[Solution]],
+    names: Sequence[str],
+    *,
+    robust: bool,
+) -> list[Calibration]:
+    return _finished(problems, solutions(), names, robust=robust)
 
 
 def _finished(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import jax
 import numpy as np
@@ -35,18 +35,30 @@ def solve_many(model: Model, tasks: Sequence[Task]) -> list[Solution]:
     The last batch is filled up with repetitions, so that all of that shape share the program; a
     few problems are quicker one by one.
     """
-    solved: list[Solution] = []
-    for first in range(0, len(tasks), BATCH):
-        solved += _solve_batch(model, tasks[first : first + BATCH])
-    return solved
+    return launch(model, tasks)()
 
 
-def _solve_batch(model: Model, tasks: Sequence[Task]) -> list[Solution]:
+def launch(model: Model, tasks: Sequence[Task]) -> Callable[[], list[Solution]]:
+    """Begin to fit problems as `solve_many` does; what is returned waits for the solutions.
+
+    JAX computes in threads of its own meanwhile.
+    """
+    running = [
+        _launched(model, tasks[first : first + BATCH]) for first in range(0, len(tasks), BATCH)
+    ]
+    return lambda: [solution for batch in running for solution in batch()]
+
+
+def _launched(model: Model, tasks: Sequence[Task]) -> Callable[[], list[Solution]]:
     if len(tasks) <= _FEW:
-        return [solve(model, task) for task in tasks]
+        return lambda: [solve(model, task) for task in tasks]
     filled = [*tasks, *[tasks[-1]] * (BATCH - len(tasks))]
     stacked = jax.tree.map(lambda *leaves: np.stack(leaves), *filled)
     with jax.enable_x64(True):
         solved = program(model, stacked, BATCH)(stacked)
-    leaves = [np.asarray(leaf)[: len(tasks)] for leaf in solved]
-    return [Solution(*each) for each in zip(*leaves, strict=True)]
+
+    def solutions() -> list[Solution]:
+        leaves = [np.asarray(leaf)[: len(tasks)] for leaf in solved]
+        return [Solution(*each) for each in zip(*leaves, strict=True)]
+
+    return solutions
