@@ -59,14 +59,16 @@ def table_of(block: bytes) -> Array | None:
     """The numbers n, N, x, y, X, Y, t of control points, shape (n, 7).
 
     Args:
-        block: The records, each with the end of its line.
+        block: The records, each beginning with a `c` and a blank and with the end of its line.
 
     Returns:
         The numbers; None where a record departs from the usual form or from real numbers in any
         way, which is left to a reader of single records.
     """
-    block = block.replace(b"\r\n", b"\n")
-    if block.translate(None, b"0123456789.+-eE") != _SHAPE * block.count(b"\n"):
+    if b"\r" in block:
+        block = block.replace(b"\r\n", b"\n")
+    shape = block.translate(None, b"0123456789.+-eE")
+    if shape != _SHAPE * (len(shape) // len(_SHAPE)):
         return None
     fields = _fields(block)
     n_digits, whole = fields.n_digits, fields.n_marks[:, _WHOLE] == 0
