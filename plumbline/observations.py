@@ -206,7 +206,8 @@ class Observations:
     def _check_points(self, line: Line, *, ideal: bool) -> None:
         frame = self.photos[line.photo].frame
         points = line.points_px
-        good = np.isfinite(points).all(axis=-1) if ideal else frame.contains(points)  # no NaN
+        # NaN lies in no photo.
+        good = np.isfinite(points).all(axis=-1) if ideal else frame.contains(points)
         if np.all(good):
             return
         worst = int(np.argmin(good))
