@@ -83,8 +83,9 @@ class Frame:
     def contains(self, points_px: ArrayLike) -> NDArray[np.bool_]:
         """Which points, shape (..., 2), lie on the photo's area. Edges of pixels count."""
         points = np.asarray(points_px, dtype=np.float64)
-        upper = np.array(self.size) - 0.5
-        return np.all((points >= -0.5) & (points <= upper), axis=-1)
+        x, y = points[..., 0], points[..., 1]
+        across = (x >= -0.5) & (x <= self.width - 0.5)
+        return across & (y >= -0.5) & (y <= self.height - 0.5)
 
     def corners_px(self) -> Array:
         """Centres of the four corner pixels, shape (4, 2)."""

@@ -211,8 +211,9 @@ class Observations:
 
     def _check_points(self, line: Line, *, ideal: bool) -> None:
         frame = self.photos[line.photo].frame
-        finite = np.isfinite(line.points_px).all(axis=-1)
-        good = finite if ideal else frame.contains(line.points_px)  # NaN lies nowhere
+        points = line.points_px
+        # NaN lies in no photo.
+        good = np.isfinite(points).all(axis=-1) if ideal else frame.contains(points)
         if np.all(good):
             return
         worst = int(np.argmin(good))

@@ -121,12 +121,6 @@ def direction(xx: Any, xy: Any, yy: Any) -> tuple[Any, Any]:
     return np.cos(angle), np.sin(angle)
 
 
-def along_and_across(points: Array) -> tuple[Array, Array]:
-    """Position along their line and signed distance from it of points of shape (n, 2)."""
-    lines = fit_lines(points, np.array([len(points)]), np.ones(len(points)))
-    return lines.place(points, np.zeros(len(points), dtype=np.int64))
-
-
 def straightness_before(
     observations: Observations, kept: Sequence[NDArray[np.bool_]] | None = None
 ) -> tuple[Array, ...]:

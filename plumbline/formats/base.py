@@ -36,27 +36,39 @@ class Source:
         """The first 4 KiB as text whatever they are, for recognising the format."""
         return self.content[:4096].decode("utf-8-sig", errors="replace")
 
+    def refuse_binary(self) -> None:
+        """Refuse what is no text in any encoding that `text` knows.
+
+        Raises:
+            ReadError: the file is empty or binary.
+        """
+        content = self.content
+        if not content or content.isspace():
+            raise self.error("the file is empty", hint="save or export the points again")
+        try:
+            binary = "\0" in content.decode("utf-16") if self._is_utf_16 else b"\0" in content
+        except UnicodeDecodeError:
+            binary = True
+        if binary:
+            raise self.error("the file is binary, not text", hint="name its format with --format")
+
     def text(self) -> str:
         """The whole file as text: UTF-8 with or without a mark, UTF-16 with one, or Latin-1.
 
         Raises:
             ReadError: the file is empty or binary.
         """
-        if not self.content.strip():
-            raise self.error("the file is empty", hint="save or export the points again")
-        if self.content.startswith((b"\xff\xfe", b"\xfe\xff")):
-            encodings = ("utf-16",)
-        else:
-            encodings = ("utf-8-sig", "latin-1")
-        for encoding in encodings:
-            try:
-                decoded = self.content.decode(encoding)
-            except UnicodeDecodeError:
-                continue
-            if "\x00" in decoded:
-                break
-            return decoded
-        raise self.error("the file is binary, not text", hint="name its format with --format")
+        self.refuse_binary()
+        if self._is_utf_16:
+            return self.content.decode("utf-16")
+        try:
+            return self.content.decode("utf-8-sig")
+        except UnicodeDecodeError:
+            return self.content.decode("latin-1")
+
+    @property
+    def _is_utf_16(self) -> bool:
+        return self.content.startswith((b"\xff\xfe", b"\xfe\xff"))
 
     def error(self, message: str, line: int | None = None, hint: str = "") -> ReadError:
         """A `ReadError` about this file, and perhaps one of its lines counted from 1."""

@@ -11,7 +11,7 @@ from plumbline.formats.point_records import ControlPoints
 from plumbline.formats.script import decimal
 from plumbline.frame import Array
 from plumbline.picks import Line, first_of_each
-from plumbline.straightness import along_and_across
+from plumbline.straightness import by_line, fit_lines, line_numbers
 from plumbline.wording import count
 
 FIRST_LINE_TYPE = 3
@@ -26,12 +26,12 @@ def collect_lines(
         ReadError: a point belongs to no image, or no straight line is there at all.
     """
     images, kinds, rows = points.images, points.kinds, points.rows
-    unknown = np.any((images < 0) | (images >= n_images), axis=1)
+    unknown = (images < 0) | (images >= n_images)
     if np.any(unknown):
         raise source.error(
             "the control point refers to an image that is not in the project, which has "
             f"{count(n_images, 'image')}",
-            int(rows[int(np.argmax(unknown))]),
+            int(rows[int(np.argmax(unknown.any(axis=1)))]),
             hint="remove this line, or put the image back",
         )
     straight = kinds >= FIRST_LINE_TYPE
@@ -41,7 +41,7 @@ def collect_lines(
         raise _no_lines(source, len(kinds))
     _note_others(straight, within, notes)
     ends = points.ends[chosen]
-    if np.all((ends[:, :2] == ends[:, 2:]).all(axis=1)):
+    if np.array_equal(ends[:, :2], ends[:, 2:]):
         notes.append(
             "every pair has one point on both ends, which Hugin cannot optimise; each was taken "
             "as one pick"
@@ -78,17 +78,25 @@ def _grouped(
         images, kinds, ends, rows = images[order], kinds[order], ends[order], rows[order]
     starts = np.flatnonzero(np.diff(images, prepend=-1) | np.diff(kinds, prepend=-1))
     stops = np.append(starts[1:], len(images))
-    lines: list[Line] = []
+    picked: list[Array] = []
+    standing: list[NDArray[np.int64]] = []
     for start, stop in zip(starts.tolist(), stops.tolist(), strict=True):
         points, others = ends[start:stop, :2], ends[start:stop, 2:]
         if not np.array_equal(points, others[::-1]):  # else the pairs are the line and its reverse
             points = np.concatenate((points, others))
         first = first_of_each(points)
-        with np.errstate(all="ignore"):  # absurd numbers are refused later, by name
-            along, _ = along_and_across(points[first])
-        first = first[np.argsort(along, kind="stable")]
-        line_rows = np.resize(rows[start:stop], len(points))[first]
-        lines.append(Line(points[first], int(images[start]), f"t{kinds[start]}", line_rows))
+        picked.append(points[first])
+        standing.append(np.resize(rows[start:stop], len(points))[first])
+    sizes = np.array([len(points) for points in picked])
+    points, rows = np.concatenate(picked), np.concatenate(standing)
+    with np.errstate(all="ignore"):  # absurd numbers are refused later, by name
+        along, _ = fit_lines(points, sizes, np.ones(len(points))).place(points, line_numbers(sizes))
+    lines: list[Line] = []
+    parts = (by_line(values, sizes) for values in (along, points, rows))
+    for start, its_along, its_points, its_rows in zip(starts, *parts, strict=True):
+        order = np.argsort(its_along, kind="stable")
+        label = f"t{kinds[start]}"
+        lines.append(Line(its_points[order], int(images[start]), label, its_rows[order]))
     return tuple(lines)
 
 

@@ -1,21 +1,21 @@
 """Control points of Panorama Tools scripts: the `c` records as numbers.
 
-Projects of a million points are read in one go where every record has the usual form; any that
-does not sends all of them down the careful way, one by one.
+Records are read in blocks; a block with any record that departs from the usual form is read
+record by record.
 """
 
 from __future__ import annotations
 
-import itertools
 import math
 import re
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from plumbline.formats.base import Source, shown
+from plumbline.formats.point_block import N_FIELDS, table_of
+from plumbline.formats.script import decoded, line_starts
 from plumbline.frame import Array
 
 _POINT = re.compile(
@@ -24,10 +24,7 @@ _POINT = re.compile(
     re.ASCII,
 )
 _TOKEN = re.compile(r"(?<=[ \t])([nNxyXYt])(\S+)")
-_LETTERS = b"cnNxyXYt"
-_FIELDS = len(_LETTERS) - 1
-_STARTS = frozenset(("c ", "c\t"))
-_MANY = 1000
+_AT_ONCE = 8192
 
 
 @dataclass(frozen=True)
@@ -51,61 +48,50 @@ class ControlPoints:
         return ControlPoints(self.images - first, self.ends, self.kinds, self.rows)
 
 
-def take_points(
-    source: Source, texts: Sequence[str]
-) -> tuple[ControlPoints, list[tuple[int, str]]]:
+def take_points(source: Source) -> tuple[ControlPoints, list[tuple[int, str]]]:
     """Read the `c` records of a script, and leave the others.
 
     Returns:
         The control points, and the row and text of all other records.
 
     Raises:
-        ReadError: a control point lacks something, or holds what is no number.
+        ReadError: the file is no script, or a control point lacks something, or holds what is no
+            number.
     """
-    taken = np.array([text[:2] in _STARTS for text in texts], dtype=np.bool_)
-    rest = [(row, texts[row - 1]) for row in (np.flatnonzero(~taken) + 1).tolist()]
+    starts = line_starts(source)
+    content = np.frombuffer(source.content, dtype=np.uint8)
+    first, second = (content.take(starts[:-1] + i, mode="clip") for i in (0, 1))
+    taken = (first == ord("c")) & ((second == ord(" ")) | (second == ord("\t")))
     rows = np.flatnonzero(taken) + 1
-    chosen = list(itertools.compress(texts, taken))
-    table = table_of(chosen) if len(chosen) >= _MANY else None
-    if table is None:
-        fields = [
-            _fields(source, row, text) for row, text in zip(rows.tolist(), chosen, strict=True)
-        ]
-        table = np.array(fields, dtype=np.float64).reshape(-1, _FIELDS)
+    table = np.empty((len(rows), N_FIELDS))
+    for begin in range(0, len(rows), _AT_ONCE):
+        some = slice(begin, begin + _AT_ONCE)
+        table[some] = _table(source, starts, rows[some])
+    others = np.flatnonzero(~taken) + 1
+    texts = [decoded(line).removesuffix("\n") for line in _lines(source, starts, others)]
     images, kinds = table[:, :2].astype(np.int64), table[:, 6].astype(np.int64)
-    return ControlPoints(images, table[:, 2:6], kinds, rows), rest
+    points = ControlPoints(images, table[:, 2:6], kinds, rows)
+    return points, list(zip(others.tolist(), texts, strict=True))
 
 
-def table_of(texts: Sequence[str]) -> Array | None:
-    """Numbers n, N, x, y, X, Y, t of records that all have the usual form, shape (n, 7); else None.
-
-    The letters, without what numbers are made of, must spell the same in every record; every
-    letter must be followed at once by the start of a number; and as many numbers must come out as
-    there are letters. Then each field holds just one.
-    """
-    content = "\n".join(texts).encode("utf-8", errors="surrogateescape") + b"\n"
-    if content.translate(None, b"0123456789+-.eE \t\r") != (_LETTERS + b"\n") * len(texts):
-        return None
-    classes = np.frombuffer(content.translate(_CLASSES), dtype=np.uint8)
-    letter, before, after = classes[1:-1] == _LETTER, classes[:-2], classes[2:]
-    if np.any(letter & ((before != _BLANK) | (after != _DIGIT))):
-        return None
-    blanked = content.translate(_BLANKED)
-    try:
-        numbers = np.fromstring(blanked, dtype=np.float64, sep=" ")
-    except (DeprecationWarning, ValueError):
-        return None
-    if len(numbers) != _FIELDS * len(texts):
-        return None
-    table = numbers.reshape(-1, _FIELDS)
-    whole = table[:, [0, 1, 6]]
-    fine = np.all(np.isfinite(table)) and np.all((whole >= 0) & (whole < 1e9))
-    return table if fine and np.all(whole == np.floor(whole)) else None
+def _lines(source: Source, starts: NDArray[np.int64], rows: NDArray[np.int64]) -> list[bytes]:
+    """These rows of the file, each with the end of its line."""
+    spans = zip(starts[rows - 1].tolist(), starts[rows].tolist(), strict=True)
+    return [source.content[start:stop] for start, stop in spans]
 
 
-_LETTER, _DIGIT, _BLANK = b"L0 "
-_CLASSES = bytes.maketrans(b"nNxyXYt0123456789+-.\t", b"LLLLLLL0000000000000 ")
-_BLANKED = bytes.maketrans(_LETTERS, b" " * len(_LETTERS))
+def _table(source: Source, starts: NDArray[np.int64], rows: NDArray[np.int64]) -> Array:
+    """n, N, x, y, X, Y, t of the control points in these rows, shape (n, 7)."""
+    if rows[-1] - rows[0] < len(rows):  # nothing else stands between them
+        block = source.content[starts[rows[0] - 1] : starts[rows[-1]]]
+    else:
+        block = b"".join(_lines(source, starts, rows))
+    block += b"" if block.endswith(b"\n") else b"\n"
+    table = table_of(block)
+    if table is not None:
+        return table
+    texts = decoded(block).split("\n")[:-1]
+    return np.array([_fields(source, *each) for each in zip(rows.tolist(), texts, strict=True)])
 
 
 def _fields(source: Source, row: int, text: str) -> tuple[float, ...]:

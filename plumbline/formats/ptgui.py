@@ -25,7 +25,7 @@ from plumbline.formats.base import Format, ReadOptions, Source
 from plumbline.formats.control_points import collect_lines
 from plumbline.formats.point_records import ControlPoints, take_points
 from plumbline.formats.pto import refuse_moved_centre
-from plumbline.formats.script import ImageRecord, kind_of, parse_image, readable, records
+from plumbline.formats.script import ImageRecord, kind_of, parse_image, readable
 from plumbline.observations import Observations, Photo
 
 _FILE_VERSION = re.compile(r"#-fileversion (\d{1,6})\s*\Z")
@@ -59,7 +59,7 @@ def _parse(source: Source) -> _Project:
             "this is a project of PTGui 12 or newer (JSON), which is not read",
             hint="pick the points in Hugin or another viewer, or save them as CSV: line,x,y",
         )
-    points, rest = take_points(source, records(source))
+    points, rest = take_points(source)
     project = _Project(points)
     for row, line in rest:
         if line.startswith("#-"):

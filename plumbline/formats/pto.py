@@ -29,7 +29,6 @@ from plumbline.formats.script import (
     ImageRecord,
     kind_of,
     parse_image,
-    records,
     size_of,
 )
 from plumbline.observations import Observations, Photo
@@ -60,7 +59,7 @@ def _recognises(source: Source) -> bool:
 
 
 def _parse(source: Source) -> _Script:
-    points, rest = take_points(source, records(source))
+    points, rest = take_points(source)
     script = _Script(points)
     crop_factor: float | None = None
     stand_in = False

@@ -12,6 +12,9 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
+import numpy as np
+from numpy.typing import NDArray
+
 from plumbline.errors import OptionError
 from plumbline.facts import LensFacts
 from plumbline.files import FITTED_DECIMALS
@@ -109,27 +112,48 @@ def lens_type(projection: str) -> int:
         ) from None
 
 
+def line_starts(source: Source) -> NDArray[np.int64]:
+    """Where each line of a script starts in its bytes, and where one more would.
+
+    Raises:
+        ReadError: the file is empty or binary, or larger than any real project.
+    """
+    source.refuse_binary()
+    content = source.content
+    if b"\0" in content:
+        raise source.error("the project is UTF-16, which Hugin does not read", hint="save as UTF-8")
+    n_records = content.count(b"\n") + 1
+    if n_records > MAX_RECORDS:
+        raise source.error(
+            f"the project has {n_records:,} lines, more than the {MAX_RECORDS:,} that are read",
+            hint="save the project again with fewer control points",
+        )
+    stops = np.flatnonzero(np.frombuffer(content, dtype=np.uint8) == ord("\n"))
+    starts = np.concatenate(([0], stops + 1, [len(content) + 1]))
+    many_bytes = np.flatnonzero(np.diff(starts) > MAX_RECORD_LENGTH).tolist()
+    length_of = {
+        row: len(decoded(content[starts[row] : starts[row + 1] - 1])) for row in many_bytes
+    }
+    longest = max(length_of, key=lambda row: length_of[row], default=0)
+    if length_of.get(longest, 0) > MAX_RECORD_LENGTH:
+        message = f"the line has {length_of[longest]:,} characters"
+        raise source.error(message, longest + 1, "remove this line")
+    return starts
+
+
 def records(source: Source) -> list[str]:
     """The script's lines as text; `encoded` gives back the same bytes.
 
     Raises:
         ReadError: the file is empty or binary, or larger than any real project.
     """
-    source.text()
-    if b"\0" in source.content:
-        raise source.error("the project is UTF-16, which Hugin does not read", hint="save as UTF-8")
-    n_records = source.content.count(b"\n") + 1
-    if n_records > MAX_RECORDS:
-        raise source.error(
-            f"the project has {n_records:,} lines, more than the {MAX_RECORDS:,} that are read",
-            hint="save the project again with fewer control points",
-        )
-    texts = source.content.decode("utf-8", errors="surrogateescape").split("\n")
-    longest = max(texts, key=len)
-    if len(longest) > MAX_RECORD_LENGTH:
-        row = texts.index(longest) + 1
-        raise source.error(f"the line has {len(longest):,} characters", row, "remove this line")
-    return texts
+    line_starts(source)
+    return decoded(source.content).split("\n")
+
+
+def decoded(content: bytes) -> str:
+    """Part of a script as text, bytes that are no UTF-8 as surrogates."""
+    return content.decode("utf-8", errors="surrogateescape")
 
 
 def encoded(texts: Sequence[str]) -> bytes:

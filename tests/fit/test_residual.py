@@ -16,7 +16,7 @@ from plumbline.fit.task import Residuals
 from plumbline.models import MODELS, get_model
 from plumbline.models.inverse import REACH
 from plumbline.observations import Line, Observations, Photo
-from plumbline.straightness import along_and_across, straightness_before
+from plumbline.straightness import fit_lines, straightness_before
 from tests import truth
 from tests.truth import TrueLens
 
@@ -24,7 +24,8 @@ Array = truth.Array
 
 
 def _across(points: Array) -> Array:
-    return along_and_across(points)[1]
+    lines = fit_lines(points, np.array([len(points)]), np.ones(len(points)))
+    return lines.place(points, np.zeros(len(points), dtype=np.int64))[1]
 
 
 NAMES = (*MODELS, "radial:1,2,3", "radial:2,4")

@@ -15,6 +15,7 @@ from plumbline.formats.script import (
     encoded,
     fitted,
     kind_of,
+    line_starts,
     masked,
     parse_image,
     readable,
@@ -229,3 +230,19 @@ def test_absurd_sizes_are_refused_before_any_work() -> None:
         records(Source("x.pto", b"i w4" + b"\n" * 2_000_001))
     with pytest.raises(ReadError, match=r"x\.pto, line 2: the line has 100,001 characters"):
         records(Source("x.pto", b"p\ni" + b"x" * MAX_RECORD_LENGTH))
+
+
+def test_the_length_of_a_line_is_counted_in_characters() -> None:
+    accented = "i n" + "é" * (MAX_RECORD_LENGTH - 3)
+    assert records(Source("x.pto", f"p\n{accented}".encode())) == ["p", accented]
+    content = f"p\n{accented}é\ni{'x' * MAX_RECORD_LENGTH}".encode()
+    with pytest.raises(ReadError, match=r"x\.pto, line 2: the line has 100,001 characters"):
+        records(Source("x.pto", content))
+
+
+@given(st.lists(st.binary(max_size=6).filter(lambda line: not {0, 10} & {*line}), min_size=1))
+def test_lines_start_where_the_one_before_has_ended(lines: list[bytes]) -> None:
+    content = b"i" + b"\n".join(lines)
+    starts = line_starts(Source("x.pto", content))
+    spans = zip(starts[:-1].tolist(), starts[1:].tolist(), strict=True)
+    assert [content[a:b].removesuffix(b"\n") for a, b in spans] == content.split(b"\n")
