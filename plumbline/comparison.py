@@ -27,6 +27,9 @@ class Candidate:
             the best common scale and translation (homography with tangential terms).
         error_px: Largest standard error of its curve over the range of the picks, the larger of
             that for independent picking errors and the jackknife's.
+        overall_error_px: The error to quote: the same with what the models disagree by, weighted
+            by how well the picks support each (the unconditional standard error of K. Burnham and
+            D. Anderson 2002, section 4.3, of the largest differences).
         fold_px: Radius at which the model folds inside the photo, or None.
     """
 
@@ -40,6 +43,7 @@ class Candidate:
     left_out_px: float | None = None
     difference_px: float | None = None
     error_px: float | None = None
+    overall_error_px: float | None = None
     fold_px: float | None = None
 
 
@@ -54,6 +58,10 @@ class Comparison:
         recommended: Index of the row to take.
         reason: Why.
         centre: What freeing the distortion centre would do, in a sentence.
+        quote: Which error to quote with the recommended row, in a sentence; empty where too few
+            picks tell none.
+        beyond: How far models that the picks do not rule out part from the recommended one where
+            there are no picks, in a sentence; empty where they do not part.
     """
 
     candidates: tuple[Candidate, ...]
@@ -61,6 +69,19 @@ class Comparison:
     recommended: int
     reason: str
     centre: str = ""
+    quote: str = ""
+    beyond: str = ""
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What there is to say beside the reason, in sentences."""
+        return tuple(filter(None, (self.quote, self.beyond, self.centre)))
+
+    def delta_aicc(self, candidate: Candidate) -> float | None:
+        """AICc above the lowest of all rows; None where a row has none that is finite."""
+        if candidate.aicc is None or not isfinite(candidate.aicc):
+            return None
+        return candidate.aicc - min(each.aicc for each in self.candidates if each.aicc is not None)
 
     @property
     def calibration(self) -> Calibration:
@@ -77,12 +98,14 @@ def as_dict(comparison: Comparison) -> dict[str, Any]:
         "recommended": comparison.candidates[comparison.recommended].name,
         "best": comparison.candidates[comparison.best].name,
         "reason": comparison.reason,
+        "quote": comparison.quote,
+        "beyond": comparison.beyond,
         "centre": comparison.centre,
-        "candidates": [_row(candidate) for candidate in comparison.candidates],
+        "candidates": [_row(comparison, candidate) for candidate in comparison.candidates],
     }
 
 
-def _row(candidate: Candidate) -> dict[str, Any]:
+def _row(comparison: Comparison, candidate: Candidate) -> dict[str, Any]:
     made = candidate.calibration
     return {
         "name": candidate.name,
@@ -94,9 +117,11 @@ def _row(candidate: Candidate) -> dict[str, Any]:
         "standard_errors": None if made is None else made.standard_errors,
         "rms_after_px": None if made is None else made.rms_after_px,
         "aicc": _finite(candidate.aicc),
+        "delta_aicc": comparison.delta_aicc(candidate),
         "left_out_px": _finite(candidate.left_out_px),
         "difference_px": _finite(candidate.difference_px),
         "error_px": _finite(candidate.error_px),
+        "overall_error_px": _finite(candidate.overall_error_px),
         "fold_px": candidate.fold_px,
     }
 

@@ -19,6 +19,7 @@ where the difference does not matter. Models that are the same in other words sh
 Examples:
   plumbline compare building.pto
   plumbline compare picks.csv --photo facade.jpg
+  plumbline compare building.pto --robust
   plumbline compare building.pto --json
 """
 
@@ -30,8 +31,9 @@ Examples:
 )
 @click.argument("points", nargs=-1, required=True)
 @options.reading
+@click.option("--robust", is_flag=True, help="Leave suspicious picks out of all fits.")
 @click.option("--json", "as_json", is_flag=True, help="Print the table as JSON.")
-def command(points: tuple[str, ...], as_json: bool, **options: Any) -> None:
+def command(points: tuple[str, ...], robust: bool, as_json: bool, **options: Any) -> None:
     """Read, compare, print."""
     from rich.console import Console
 
@@ -40,7 +42,7 @@ def command(points: tuple[str, ...], as_json: bool, **options: Any) -> None:
     from plumbline.comparison import as_dict
 
     parts = parts_of(points, options)
-    comparisons = compare_lenses(parts, Console(stderr=True))
+    comparisons = compare_lenses(parts, Console(stderr=True), robust=robust)
     if as_json:
         import json
 

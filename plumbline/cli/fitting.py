@@ -82,7 +82,9 @@ def fit_lenses(
     return made
 
 
-def compare_lenses(parts: Sequence[Observations], narration: Console) -> list[Comparison]:
+def compare_lenses(
+    parts: Sequence[Observations], narration: Console, *, robust: bool
+) -> list[Comparison]:
     """Compare all models on one lens after the other.
 
     Raises:
@@ -91,7 +93,7 @@ def compare_lenses(parts: Sequence[Observations], narration: Console) -> list[Co
     made: list[Comparison] = []
     for part in parts:
         with _named(part, len(parts)):
-            made.append(_compared(part, narration))
+            made.append(_compared(part, narration, robust=robust))
     return made
 
 
@@ -109,7 +111,7 @@ def draw(
     failed: list[str] = []
     for made in calibrations if report is not None else ():
         try:
-            comparisons.append(_compared(made.kept_observations, narration))
+            comparisons.append(_compared(made.kept_observations, narration, robust=False))
         except PlumblineError as error:
             comparisons.append(None)
             failed.append(f"models are not compared in the report: {error.message}")
@@ -120,20 +122,24 @@ def draw(
     return drawn, [*notes, *failed]
 
 
-def _compared(part: Observations, narration: Console) -> Comparison:
+def _compared(part: Observations, narration: Console, *, robust: bool) -> Comparison:
     from plumbline.fit.compare import ROWS, compare
 
     with _progress(narration, "Comparing models", len(ROWS)) as advance:
-        return compare(part, lambda: advance(1))
+        return compare(part, lambda: advance(1), robust=robust)
 
 
 def _fitted(part: Observations, wishes: Wishes, narration: Console) -> Calibration:
-    model, free, note = wishes.model, wishes.free, ""
+    model, free, notes = wishes.model, wishes.free, list[str]()
     if model == AUTO:
-        comparison = _compared(_believed(part) if wishes.robust else part, narration)
+        comparison = _compared(part, narration, robust=wishes.robust)
         chosen = comparison.candidates[comparison.recommended]
         model, free = chosen.model, chosen.free
-        note = f"{chosen.name} was chosen: {comparison.reason}"
+        notes = [
+            f"{chosen.name} was chosen: {comparison.reason}",
+            comparison.quote,
+            comparison.beyond,
+        ]
     with narration.status("Fitting…"):
         from plumbline.fit.calibrate import calibrate
 
@@ -146,14 +152,7 @@ def _fitted(part: Observations, wishes: Wishes, narration: Console) -> Calibrati
             residual=wishes.residual,
             robust=wishes.robust,
         )
-    return replace(made, remarks=(*made.remarks, note)) if note else made
-
-
-def _believed(part: Observations) -> Observations:
-    """The picks that a robust fit believes, for a comparison that wrong ones do not decide."""
-    from plumbline.fit.calibrate import calibrate
-
-    return calibrate(part, robust=True).kept_observations
+    return replace(made, remarks=(*made.remarks, *filter(None, notes)))
 
 
 def _again(made: Calibration, fits: int, narration: Console) -> Calibration:

@@ -128,7 +128,8 @@ def write_results(
         except OptionError as error:
             if outputs:
                 raise
-            notes.append(f"{target.name} was not written: {error.message} ({error.hint})")
+            older = "; the one that is there is not of this fit" if target.exists() else ""
+            notes.append(f"{target.name} was not written: {error.message} ({error.hint}){older}")
             continue
         if target.suffix.lower() == ".xml":
             notes += label_notes(calibrations)

@@ -20,14 +20,17 @@ from plumbline.errors import DegenerateLinesError, PlumblineError
 from plumbline.fit.calibrate import calibrate
 from plumbline.fit.outcome import finish
 from plumbline.fit.problem import Problem, prepare
-from plumbline.fit.recommend import choose, left_out, reason
+from plumbline.fit.reasons import beyond, left_out, quote, reason
+from plumbline.fit.recommend import choose
 from plumbline.fit.solve import solve
 from plumbline.frame import Array
 from plumbline.linearised import in_frame
 from plumbline.models import CENTRE, get_model
 from plumbline.observations import Observations
+from plumbline.wording import listed
 
 _GRID = 17
+_MOST_NAMED = 3
 _FINEST_PX = 0.001
 """Residuals below this are rounding, and no reason to prefer a model."""
 
@@ -60,14 +63,22 @@ ROWS = (
 _HELD, _FREED = "ptlens a, b, c", "ptlens with centre"
 
 
-def compare(observations: Observations, done: Callable[[], object] | None = None) -> Comparison:
+def compare(
+    observations: Observations,
+    done: Callable[[], object] | None = None,
+    *,
+    robust: bool = False,
+) -> Comparison:
     """Fit every model to the picks of one lens and recommend one.
 
-    All picks are used, suspicious ones included; the recommended fit names these.
+    All picks are used, suspicious ones included, unless it is robust; the recommended fit names
+    these.
 
     Args:
         observations: Photos and lines of one lens.
         done: Called after each fit, for progress.
+        robust: Compare on the picks that a robust fit of ptlens a, b, c believes, and make the
+            recommended fit a robust one.
 
     Returns:
         The table and the recommendation.
@@ -83,9 +94,10 @@ def compare(observations: Observations, done: Callable[[], object] | None = None
         'b alone is not enough: …'
     """
     _prepared(observations, ROWS[0])  # what no model can be fitted to is refused at once
+    picks = _believed(observations) if robust else observations
 
     def fitted(row: _Row) -> Candidate:
-        made = _fitted(observations, row)
+        made = _fitted(picks, row)
         if done is not None:
             done()
         return made
@@ -94,19 +106,48 @@ def compare(observations: Observations, done: Callable[[], object] | None = None
         candidates = list(pool.map(fitted, ROWS))
     usable = [each.calibration for each in candidates if each.aicc is not None]
     if not usable or usable[0] is None:
-        raise DegenerateLinesError(
-            f"no model can be fitted: {candidates[0].failure}",
-            hint="check that every pick is on its line; else pick more lines, longer ones and "
-            "nearer to the edges of the photo",
-        )
-    choice = choose(candidates, picked_range_px(usable[0]))
+        raise _refusal(picks, candidates[0].failure)
+    points_px = picked_range_px(usable[0])
+    choice = choose(candidates, points_px)
     table = list(choice.candidates)
     taken = table[choice.recommended]
     # The same fit again, now with its suspicious picks.
-    named = calibrate(observations, taken.model, free=taken.free)
+    named = calibrate(observations, taken.model, free=taken.free, robust=robust)
     table[choice.recommended] = replace(taken, calibration=named)
-    why, centre = reason(choice), _centre(choice.candidates)
-    return Comparison(tuple(table), choice.best, choice.recommended, why, centre)
+    return Comparison(
+        candidates=tuple(table),
+        best=choice.best,
+        recommended=choice.recommended,
+        reason=reason(choice),
+        quote=quote(choice),
+        beyond=beyond(choice, points_px, grid_px(usable[0].lens, _GRID)),
+        centre=_centre(choice.candidates),
+    )
+
+
+def _believed(observations: Observations) -> Observations:
+    """The picks that a robust fit believes, for a comparison that wrong ones do not decide."""
+    return calibrate(observations, free=("a", "b", "c"), robust=True).kept_observations
+
+
+def _refusal(observations: Observations, failure: str) -> DegenerateLinesError:
+    """Why no model can be fitted, and which picks a robust fit finds wrong."""
+    try:
+        suspects = calibrate(observations, free=("a", "b", "c"), robust=True).suspects
+    except PlumblineError:
+        suspects = ()
+    worst_first = sorted(suspects, key=lambda each: -each.residual_px)
+    wrong = [each.sentence for each in worst_first if each.left_out]
+    if not wrong:
+        return DegenerateLinesError(
+            f"no model can be fitted: {failure}",
+            hint="check that every pick is on its line; else pick more lines, longer ones and "
+            "nearer to the edges of the photo",
+        )
+    return DegenerateLinesError(
+        f"no model can be fitted: {failure}; suspicious: {listed(wrong, _MOST_NAMED)}",
+        hint="mend these picks, or leave them out with --robust",
+    )
 
 
 def picked_range_px(made: Calibration) -> Array:

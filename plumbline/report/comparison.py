@@ -13,6 +13,7 @@ from plumbline.calibration import Calibration
 from plumbline.comparison import Candidate, Comparison
 from plumbline.errors import printable
 from plumbline.models import CENTRE
+from plumbline.wording import count
 
 
 def print_comparison(console: Console, comparison: Comparison) -> None:
@@ -27,43 +28,48 @@ def print_comparison(console: Console, comparison: Comparison) -> None:
     _print(
         console, f"\n[bold]Recommended: {chosen.name}[/]; {escape(printable(comparison.reason))}"
     )
-    if comparison.centre:
-        _print(console, f"• {escape(printable(comparison.centre))}")
-    made = comparison.calibration
+    for note in comparison.notes:
+        _print(console, f"• {escape(printable(note))}")
+    _print_suspects(console, comparison.calibration)
+    fitted = f"--model {chosen.model} --free {','.join(chosen.free)}"
+    same = "" if chosen.name.startswith(chosen.model) else f" (the same as {chosen.name})"
+    _print(console, f"Fit it with {fitted}{same}, or with --model auto")
+
+
+def _print_suspects(console: Console, made: Calibration) -> None:
     suspects = sum(len(suspect.picks) for suspect in made.suspects if suspect.left_out)
-    if suspects:
-        _print(
-            console,
-            f"• {suspects} suspicious {'pick' if suspects == 1 else 'picks'} took part: see "
-            "plumbline check, and mend them first",
-        )
-    free = ",".join(chosen.free)
-    _print(console, f"Fit it with --model {chosen.model} --free {free}, or with --model auto")
+    if not suspects:
+        return
+    them = "it" if suspects == 1 else "them"
+    told = f"took part: see plumbline check and mend {them} first, or leave {them} out with"
+    if made.robust:
+        told = f"{'was' if suspects == 1 else 'were'} left out: plumbline fit lists {them} with"
+    _print(console, f"• {count(suspects, 'suspicious pick')} {told} --robust")
 
 
 def comparison_table(comparison: Comparison) -> Table:
     """All models, simple ones first; the recommended one is marked."""
     table = Table(box=box.SIMPLE, pad_edge=False)
     table.add_column("model", no_wrap=True)
-    for heading in ("rms\npx", "AICc", "left out\npx", "off best\npx", "folds"):
+    for heading in ("rms\npx", "ΔAICc", "left\nout px", "off\nbest px", "error\npx", "folds"):
         table.add_column(heading, justify="right", no_wrap=True)
-    least = min(each.aicc for each in comparison.candidates if each.aicc is not None)
     for index, candidate in enumerate(comparison.candidates):
         style = "bold" if index == comparison.recommended else None
-        table.add_row(candidate.name, *figures(candidate, least), style=style)
+        table.add_row(candidate.name, *figures(candidate, comparison), style=style)
     return table
 
 
-def figures(candidate: Candidate, least: float) -> list[str]:
+def figures(candidate: Candidate, comparison: Comparison) -> list[str]:
     """The numbers of a row: rms, AICc above the lowest, lines left out, off the best, fold."""
     made = candidate.calibration
     if made is None or candidate.aicc is None:
-        return ["no fit", "", "", "", ""]
+        return ["no fit", "", "", "", "", ""]
     return [
         f"{made.rms_after_px:.3f}",
-        _shown(candidate.aicc - least if isfinite(candidate.aicc) else None, "+.1f"),
+        _shown(comparison.delta_aicc(candidate), "+.1f"),
         _shown(candidate.left_out_px, ".3f"),
         _shown(candidate.difference_px, ".2f"),
+        _shown(candidate.overall_error_px, ".2f"),
         "no" if candidate.fold_px is None else f"at {candidate.fold_px:,.0f} px",
     ]
 

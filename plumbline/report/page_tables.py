@@ -130,16 +130,25 @@ def comparison(compared: Comparison) -> Iterator[Element]:
     """The models side by side, and the one to take."""
     chosen = compared.candidates[compared.recommended]
     yield tag("p", tag("b", f"Recommended: {chosen.name}."), f" {compared.reason}")
-    if compared.centre:
-        yield tag("p", compared.centre)
-    head = ("model", "coefficients", "rms, px", "AICc", "left out, px", "off best, px", "folds")
+    for note in compared.notes:
+        yield tag("p", note)
+    head = (
+        "model",
+        "coefficients",
+        "rms, px",
+        "ΔAICc",
+        "left out, px",
+        "off best, px",
+        "error, px",
+        "folds",
+    )
     rows = [_candidate(each, index, compared) for index, each in enumerate(compared.candidates)]
     yield table(head, rows, text=(0, 1))
     yield tag(
         "p",
-        "AICc: above the lowest. Left out: root mean square residual of lines that did not take "
-        "part in the fit. Off best: the largest difference from the best row over the range of the "
-        "picks.",
+        "ΔAICc: AICc above the lowest. Left out: root mean square residual of lines that did not "
+        "take part in the fit. Off best: the largest difference from the best row over the range "
+        "of the picks. Error: the largest standard error there, with what the models disagree by.",
         class_="muted",
     )
 
@@ -150,9 +159,8 @@ def _candidate(each: Candidate, index: int, compared: Comparison) -> list[Node]:
     model = tag("div", name, equals)
     made = each.calibration
     if made is None or each.aicc is None:
-        return [model, each.failure, *figures(each, 0.0)]
-    least = min(other.aicc for other in compared.candidates if other.aicc is not None)
-    return [model, ", ".join(coefficient_texts(made)), *figures(each, least)]
+        return [model, each.failure, *figures(each, compared)]
+    return [model, ", ".join(coefficient_texts(made)), *figures(each, compared)]
 
 
 def quote(made: Calibration) -> Iterator[str]:

@@ -12,10 +12,11 @@ from tests.benchmarks.choosing import (
     cases,
     error_px,
     families_differ,
+    own_px,
     range_px,
     share_right,
+    share_right_alone,
     shown,
-    stated_px,
     trials,
 )
 from tests.benchmarks.groups import FACADE, NOISE_PX
@@ -40,7 +41,7 @@ def test_a_good_choice_is_right_and_a_bad_one_is_noticed() -> None:
     assert error_px(BARREL, made) > 10
     made = plumbline.calibrate(observations(BARREL, BARREL.true_px))
     assert error_px(BARREL, made) < 1e-6
-    assert stated_px(BARREL, made) < 1e-6
+    assert own_px(BARREL, made) < 1e-6
 
 
 def test_the_range_ends_where_the_picks_do() -> None:
@@ -60,10 +61,12 @@ def test_right_is_within_a_tenth_or_twice_what_is_stated() -> None:
     made = [
         Trial("f", "c", "ptlens b", 1, 0.09, 0.01),
         Trial("f", "c", "poly5", 2, 0.5, 0.26),
-        Trial("f", "c", "poly5", 2, 0.5, 0.24),
+        Trial("f", "c", "poly5", 2, 0.5, 0.24, 0.26),
         Trial("f", "c", failure="no model can be fitted"),
     ]
     assert [each.right for each in made] == [True, True, False, False]
     assert share_right(made) == 0.5
+    assert [each.right_alone for each in made] == [True, False, True, False]
+    assert share_right_alone(made) == 0.5
     assert "50.0" in shown("f", made)
     assert "poly5 2, ptlens b 1, raised 1" in shown("f", made)

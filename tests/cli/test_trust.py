@@ -102,6 +102,34 @@ def test_compare_recommends_and_says_why(run: Run) -> None:
     table = json.loads(run("compare", "building.pto", "--json").out)["comparisons"][0]
     assert table["recommended"] == "ptlens a, b, c"
     assert len(table["candidates"]) >= 12
+    least = min(row["aicc"] for row in table["candidates"])
+    for row in table["candidates"]:
+        assert row["delta_aicc"] == row["aicc"] - least
+        assert row["overall_error_px"] >= row["error_px"]
+        assert f"{row['delta_aicc']:+.1f}" in done.out
+    assert table["quote"] in done.out
+
+
+def test_a_robust_comparison_says_what_it_left_out(run: Run) -> None:
+    plain = run("compare", "spoiled.csv", *SIZE)
+    assert "suspicious picks took part: see plumbline check" in plain.out
+    done = run("compare", "spoiled.csv", *SIZE, "--robust")
+    assert done.status == 0
+    assert "3 suspicious picks were left out" in done.out
+    assert "Recommended: ptlens a, b, c; " in done.out
+    fitted = run("fit", "spoiled.csv", *SIZE, "--robust", "--model", "auto", "-o", "made.json")
+    assert "ptlens a, b, c was chosen: b alone is not enough" in fitted.out
+    assert "3 picks of 140 left out as suspicious" in fitted.out
+
+
+def test_an_older_result_that_is_not_replaced_is_mentioned(run: Run) -> None:
+    assert run("fit", "building.pto").status == 0
+    told = "the one that is there is not of this fit"
+    done = run("fit", "building.pto", "--model", "division")
+    assert done.status == 0
+    assert done.out.count(told) == 2
+    Path("building.fit.pto").unlink()
+    assert run("fit", "building.pto", "--model", "division").out.count(told) == 1
 
 
 def test_the_recommended_model_is_fitted(run: Run) -> None:
