@@ -13,8 +13,8 @@ _HELP = """Say whether the picks can tell the distortion, and what to pick next.
 Before any fit: whether the lines reach the edges and corners, which part of the photo is
 extrapolated, whether lines are too central to tell anything, and the rule of LensFun's profile
 makers. After a fit: how sure the correction is and which line would help most, how much the result
-hangs on single lines, whether a richer model would differ, and which picks are suspicious. Each
-with its remedy. Nothing is written.
+hangs on single lines, whether a richer model would differ, and which picks are suspicious.
+✓ marks what is good, ? what is doubtful, and ✗ what is bad, with its remedy. Nothing is written.
 
 \b
 Examples:
