@@ -29,7 +29,8 @@ Examples:
     short_help="Say whether the picks can tell the distortion, and what to pick next.",
 )
 @click.argument("points", nargs=-1, required=True)
-@options.fitting
+@options.model
+@options.coefficients
 @options.reading
 @options.focal
 @click.option("--json", "as_json", is_flag=True, help="Print the checks as JSON.")
@@ -49,6 +50,7 @@ def command(
     from plumbline.report.checks import print_checks, print_suspects
     from plumbline.report.terminal import WideConsole, print_title
 
+    options.refuse_unknown(model, {"--free": free, "--hold": hold})
     parts = parts_of(points, reading)
     found = check_lenses(parts, model, free, hold or (), Console(stderr=True))
     if as_json:
