@@ -233,7 +233,7 @@ class Calibration:
 
     @property
     def lines(self) -> tuple[LineStraightness, ...]:
-        """Straightness of every line; one that was left out as a whole is measured nevertheless."""
+        """Straightness of every line; one left out as a whole is measured nevertheless."""
         measured: list[LineStraightness] = []
         for line, before, after, kept in zip(
             self.observations.lines, self.before_px, self.residuals_px, self.kept, strict=True
@@ -259,7 +259,7 @@ def refuse_unsettled(calibrations: Sequence[Calibration]) -> None:
         if made.converged:
             continue
         worst = max(
-            (line for line in made.lines if line.n_points), key=lambda line: line.rms_after_px
+            (line for line in made.lines if not line.left_out), key=lambda line: line.rms_after_px
         )
         raise UnsettledError(
             f"{made.observations.named}there is no result: {made.reason}; line {worst.label} is "

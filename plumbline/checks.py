@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from plumbline.frame import Array, Frame
 from plumbline.observations import Observations
 from plumbline.straightness import fit_lines, line_numbers
-from plumbline.wording import count, listed
+from plumbline.wording import count, joined, listed
 
 _NEAR_EDGE = 0.6
 _THIRD = 0.15, 0.5
@@ -24,6 +24,7 @@ _EXTRAPOLATED = 0.1
 _AT_CORNER = 0.7
 _LEAST_BEND = 0.02
 _FEW_DOF = 6
+_HARDLY_ANY_DOF = 2
 _GRID = 41
 _CORNERS = "top left", "top right", "bottom right", "bottom left"
 
@@ -34,15 +35,17 @@ class Check:
 
     Attributes:
         name: What was looked at, in a word or two.
-        passed: Whether all is well.
+        passed: Whether nothing is wrong.
         finding: What was found.
-        remedy: What to do about it; empty where all is well.
+        remedy: What to do about it; empty where nothing is wrong.
+        doubtful: Whether it passed, but deserves a look.
     """
 
     name: str
     passed: bool
     finding: str
     remedy: str = ""
+    doubtful: bool = False
 
     @property
     def sentence(self) -> str:
@@ -87,8 +90,7 @@ def before_fit(observations: Observations, n_free: int, n_radial: int) -> tuple[
 def placed_lines(observations: Observations) -> Placed:
     """Where the lines lie, from the observed points."""
     frames = [observations.photos[line.photo].frame for line in observations.lines]
-    points = _points(observations)
-    sizes = observations.sizes
+    points, sizes = observations.centred_px, observations.sizes
     number = line_numbers(sizes)
     lines = fit_lines(points, sizes, np.ones(len(points)))
     along, _ = lines.place(points, number)
@@ -107,16 +109,12 @@ def placed_lines(observations: Observations) -> Placed:
 
 def extrapolated_share(observations: Observations) -> float:
     """Which part of the photo lies farther out than every pick."""
-    frame = observations.photos[0].frame
-    reached = float(np.max(np.hypot(*_points(observations).T)))
-    return float(np.mean(_radii(frame) > reached))
+    return float(np.mean(_radii(observations.photos[0].frame) > _reached_px(observations)))
 
 
-def _points(observations: Observations) -> Array:
-    """All picks in square pixels from the centres of their photos."""
-    frames = [observations.photos[line.photo].frame for line in observations.lines]
-    each = zip(frames, observations.lines, strict=True)
-    return np.concatenate([frame.normalise(line.points_px, 1.0) for frame, line in each])
+def _reached_px(observations: Observations) -> float:
+    """The largest distance of a pick from the centre of its photo."""
+    return float(np.max(np.hypot(*observations.centred_px.T)))
 
 
 def _radii(frame: Frame) -> NDArray[np.float64]:
@@ -127,26 +125,42 @@ def _radii(frame: Frame) -> NDArray[np.float64]:
 
 
 def _enough(observations: Observations, n_free: int) -> Check:
-    n_lines = len(observations.lines)
-    dof = observations.n_points - 2 * n_lines - n_free
-    finding = (
-        f"{count(observations.n_points, 'point')} on {count(n_lines, 'line')} leave "
-        f"{count(max(dof, 0), 'degree')} of freedom for {count(n_free, 'coefficient')}"
-    )
+    n_points, n_lines = observations.n_points, len(observations.lines)
+    dof = n_points - 2 * n_lines - n_free
+    picks = f"{count(n_points, 'point')} on {count(n_lines, 'line')}"
+    wanted = count(n_free, "coefficient")
+    if dof < 1:
+        left = n_points - 2 * n_lines
+        return Check(
+            "points",
+            False,
+            f"{picks} are too few for {wanted}: 2 of each line only place it, which leaves {left}",
+            f"pick at least {_FEW_DOF - dof} more along the lines, or free fewer coefficients",
+        )
+    finding = f"{picks} leave {count(dof, 'degree')} of freedom for {wanted}"
     if dof >= _FEW_DOF:
         return Check("points", True, finding)
-    remedy = "pick more points along each line; the error bars themselves are uncertain"
+    more = count(_FEW_DOF - dof, "more point")
+    remedy = f"{worth_of_error_bars(dof)}; pick at least {more} along the lines"
     return Check("points", False, finding, remedy)
+
+
+def worth_of_error_bars(dof: int) -> str:
+    """What to think of error bars from few degrees of freedom; empty where there are enough."""
+    if dof >= _FEW_DOF:
+        return ""
+    worth = "nearly worthless" if dof <= _HARDLY_ANY_DOF else "uncertain themselves"
+    return f"error bars from {count(dof, 'degree')} of freedom are {worth}"
 
 
 def _radius(observations: Observations) -> Check:
     frame = observations.photos[0].frame
-    reached = float(np.max(np.hypot(*_points(observations).T)))
     corner = frame.corner_radius * frame.radius_px
     beyond = extrapolated_share(observations)
     finding = (
-        f"the picks reach {100 * reached / corner:.0f} % of the way to the corner; "
-        f"{100 * beyond:.0f} % of the photo lies farther out, where the correction is extrapolated"
+        f"the picks reach {100 * _reached_px(observations) / corner:.0f} % of the way to the "
+        f"corner; {100 * beyond:.0f} % of the photo lies farther out, where the correction is "
+        "extrapolated"
     )
     if beyond <= _EXTRAPOLATED:
         return Check("radius", True, finding)
@@ -154,32 +168,32 @@ def _radius(observations: Observations) -> Check:
 
 
 def _corners(observations: Observations) -> Check:
-    frame = observations.photos[0].frame
-    points = _points(observations) / frame.radius_px
-    half = np.array(frame.square_size) / 2 / frame.radius_px
+    half = np.array([photo.frame.square_size for photo in observations.photos]) / 2
+    photo = np.repeat([line.photo for line in observations.lines], observations.sizes)
+    points = observations.centred_px / half[photo]
     signs = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
-    towards = [np.min(points * sign / half, axis=1) for sign in signs]
+    towards = [np.min(points * sign, axis=1) for sign in signs]
     bare = [name for name, t in zip(_CORNERS, towards, strict=True) if np.max(t) < _AT_CORNER]
+    if not bare:
+        return Check("corners", True, "there are picks near all four corners")
+    finding = f"there are no picks near the {joined(bare)} corner{'s' if len(bare) > 1 else ''}"
     if len(bare) <= 2:
-        named = f"no picks near {_joined(bare)}" if bare else "there are picks near all four"
-        return Check("corners", True, f"of the corners, {named}")
-    finding = f"there are no picks near the corners {_joined(bare)}"
+        return Check("corners", True, finding, doubtful=True)
     return Check("corners", False, finding, "pick lines that run into the corners")
 
 
 def _central(observations: Observations, placed: Placed) -> Check:
-    radius_px = observations.photos[0].frame.radius_px
-    blind = placed.bend * radius_px < _LEAST_BEND * radius_px / 100
+    blind = placed.bend < _LEAST_BEND * observations.photos[0].frame.radius_px / 100
     names = [line.label for line, b in zip(observations.lines, blind.tolist(), strict=True) if b]
     if not names:
         return Check("central lines", True, "every line lies where a lens bends it")
-    verb = "runs" if len(names) == 1 else "run"
+    runs, are = ("runs", "is") if len(names) == 1 else ("run", "are")
     finding = (
-        f"{count(len(names), 'line')} ({listed(names)}) {verb} too close to the centre, or "
-        f"{'is' if len(names) == 1 else 'are'} too short, to show any distortion"
+        f"{count(len(names), 'line')} ({listed(names)}) {runs} too close to the centre, or {are} "
+        "too short, to show any distortion"
     )
     if 2 * len(names) <= len(blind):
-        return Check("central lines", True, finding)
+        return Check("central lines", True, finding, doubtful=True)
     remedy = "pick long lines near the edges of the photo instead"
     return Check("central lines", False, finding, remedy)
 
@@ -214,7 +228,3 @@ def _emptiest(placed: Placed) -> str:
         for side, towards in sides.items()
     }
     return min(nearest, key=lambda side: nearest[side])
-
-
-def _joined(names: list[str]) -> str:
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"

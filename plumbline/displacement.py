@@ -3,8 +3,12 @@
 Straight lines see neither the scale nor the place of the corrected photo (nor, with tangential
 terms, its perspective). The standard error of a point's displacement is therefore taken after
 the best common scale and translation (or homography) of the whole photo, which is what remains
-uncertain in its geometry. It holds independent picking errors on straight edges under the right
-model; bent edges, wrong picks and the model's own error are not in it.
+uncertain in its geometry. It is the root mean square length of the error, the root of the trace
+of its 2 × 2 covariance. About a held centre radial terms err along the radius alone, and this is
+the standard error of that; with the centre or tangential terms free it holds both directions,
+and is 1 to √2 times the standard error along the worse one. It holds independent picking errors
+on straight edges under the right model; bent edges, wrong picks and the model's own error are
+not in it.
 """
 
 from __future__ import annotations
@@ -17,8 +21,11 @@ from numpy.typing import NDArray
 from plumbline.frame import Array
 from plumbline.ideal import by_coefficients, by_powers, undistorted
 from plumbline.lens import Lens
+from plumbline.wording import listed
 
 _GRID = 9
+_ALIKE = 0.01
+_CORNERS = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,10 +46,20 @@ class Displacement:
         return float(np.max(self.errors_px))
 
     @property
-    def worst_at(self) -> tuple[float, float]:
-        """Where it is largest, in pixels of the photo."""
-        x, y = self.points_px[int(np.argmax(self.errors_px))]
-        return float(x), float(y)
+    def worst_at_px(self) -> Array:
+        """Where it is largest, or less by at most 1 %, shape (m, 2)."""
+        return self.points_px[self.errors_px >= (1 - _ALIKE) * self.worst_px]
+
+    @property
+    def worst_place(self) -> str:
+        """The same in words: "at the corners", or "at (0, 751), (2255, 751)"."""
+        worst, every = self.worst_at_px, self.points_px
+        at_ends = (worst == every.min(axis=0)) | (worst == every.max(axis=0))
+        if len(worst) == _CORNERS and np.all(at_ends):
+            return "at the corners"
+        if len(worst) > _CORNERS:
+            return f"at {len(worst)} places"
+        return "at " + listed([f"({x:.0f}, {y:.0f})" for x, y in worst.tolist()])
 
 
 def displacement_errors(
@@ -66,8 +83,11 @@ def displacement_errors(
         Shape (n,), pixels; None where the model folds before it reaches a point of the photo.
     """
     moved = motions(lens, free, points_px, gauge_px=gauge_px)
-    if moved is None:
-        return None
+    return None if moved is None else errors_of(moved, covariance)
+
+
+def errors_of(moved: Array, covariance: Array) -> NDArray[np.float64]:
+    """Root mean square lengths of what `motions`, (n, 2, k), make of coefficients' errors, (n,)."""
     variance = np.einsum("nik,kl,nil->n", moved, covariance, moved)
     return np.sqrt(np.maximum(variance, 0.0))
 

@@ -92,6 +92,26 @@ def refuse_to_clobber(target: Path, inputs: Sequence[str], *, overwrite: bool) -
         )
 
 
+def refuse_unknown_suffix(target: Path, known: Sequence[str], what: str) -> None:
+    """Refuse a file name whose suffix stands for no format.
+
+    Args:
+        target: The file.
+        known: The suffixes that do, in lower case.
+        what: What is to be written, in the plural.
+
+    Raises:
+        WriteError: as said.
+    """
+    suffix = target.suffix.lower()
+    if suffix not in known:
+        raise WriteError(
+            f"{what} are not written as {suffix or 'files without a suffix'}",
+            path=target,
+            hint=f"use one of {', '.join(known)}",
+        )
+
+
 def is_same(target: Path, path: str) -> bool:
     """Whether two names are of one existing file."""
     try:

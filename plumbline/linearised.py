@@ -18,7 +18,7 @@ from plumbline.frame import Array, Frame
 from plumbline.ideal import Ideal, by_coefficients, by_powers, undistorted
 from plumbline.lens import Lens
 from plumbline.observations import Observations
-from plumbline.straightness import Lines, drawn_through, fit_lines, line_numbers
+from plumbline.straightness import Lines, by_line, drawn_through, fit_lines, line_numbers
 
 _SINGULAR = 1e-12
 
@@ -118,11 +118,7 @@ class Linearised:
 
 def in_frame(observations: Observations, frame: Frame) -> list[Array]:
     """Picks of every line in the pixels of one frame; photos turned otherwise share its centre."""
-    frames = [photo.frame for photo in observations.photos]
-    return [
-        frame.to_pixels(frames[line.photo].normalise(line.points_px, 1.0), 1.0)
-        for line in observations.lines
-    ]
+    return list(by_line(frame.to_pixels(observations.centred_px, 1.0), observations.sizes))
 
 
 def linearise(

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plumbline.displacement import displacement_errors, grid_px
+from plumbline.displacement import errors_of, grid_px, motions
 from plumbline.linearised import linearise
+from plumbline.wording import joined
 
 if TYPE_CHECKING:
     from plumbline.calibration import Calibration
@@ -17,6 +18,9 @@ if TYPE_CHECKING:
 _POINTS = 9
 _INSET = 0.04
 _THIRD = 1 / 3
+_ALIKE = 0.01
+_AT_EDGE = "near the {} edge"
+_INSIDE = "a third of the way from the centre to the {}"
 
 
 @dataclass(frozen=True)
@@ -24,7 +28,7 @@ class NextLine:
     """A line worth picking.
 
     Attributes:
-        place: Where, as in "near the top edge".
+        place: Where, as in "near the top edge"; places that would do as well are named too.
         from_px: The largest standard error of the correction now.
         to_px: What it would be with nine picks along that line.
     """
@@ -38,48 +42,41 @@ def next_line(made: Calibration) -> NextLine | None:
     """The best of lines along the edges and a third of the way out.
 
     Returns:
-        None where the model folds inside the photo.
+        None where the model folds inside the photo, or before it reaches any of these lines.
     """
     now = made.displacement
-    if now is None:
+    moved = motions(made.lens, made.free, grid_px(made.lens))
+    if now is None or moved is None:
         return None
     linear = made.linearised
     seen = (linear.jacobian * linear.in_photo[:, None])[linear.kept]
-    best: NextLine | None = None
+    found: dict[tuple[str, str], float] = {}
     for place, points_px in candidates(made.lens.frame.size).items():
         more = linearise(
             made.lens, [points_px], made.free, np.ones(len(points_px), dtype=np.bool_), image=True
         )
         if not np.all(np.isfinite(more.jacobian)):
             continue
-        covariance = np.asarray(np.linalg.pinv(seen.T @ seen + more.normal), dtype=np.float64)
-        errors_px = displacement_errors(
-            made.lens, made.free, made.sigma_px**2 * covariance, grid_px(made.lens)
-        )
-        if errors_px is None:
-            continue
-        found = NextLine(place, now.worst_px, float(np.max(errors_px)))
-        if best is None or found.to_px < best.to_px:
-            best = found
-    return best
+        unit = np.asarray(np.linalg.pinv(seen.T @ seen + more.normal), dtype=np.float64)
+        found[place] = made.sigma_px * float(np.max(errors_of(moved, unit)))
+    if not found:
+        return None
+    best = min(found, key=lambda place: found[place])
+    limit = (1 + _ALIKE) * found[best]
+    sides = [side for (how, side), to in found.items() if how == best[0] and to <= limit]
+    return NextLine(best[0].format(joined(sides, "or")), now.worst_px, found[best])
 
 
-def candidates(size: tuple[int, int]) -> dict[str, Array]:
-    """Lines that one could pick, nine points each, shape (9, 2)."""
+def candidates(size: tuple[int, int]) -> dict[tuple[str, str], Array]:
+    """Lines that one could pick, nine points each, shape (9, 2), by place and side."""
     right, bottom = size[0] - 1.0, size[1] - 1.0
     share = np.linspace(_INSET, 1 - _INSET, _POINTS)
-    out: dict[str, Array] = {}
-    for name, at in (("top", _INSET), ("bottom", 1 - _INSET)):
-        out[f"near the {name} edge"] = _line(share * right, at * bottom)
-    for name, at in (("left", _INSET), ("right", 1 - _INSET)):
-        out[f"near the {name} edge"] = _line(at * right, share * bottom)
-    third = _THIRD / 2
-    out["a third of the way from the centre to the top"] = _line(
-        share * right, (0.5 - third) * bottom
-    )
-    out["a third of the way from the centre to the left"] = _line(
-        (0.5 - third) * right, share * bottom
-    )
+    out: dict[tuple[str, str], Array] = {}
+    for how, inset in ((_AT_EDGE, _INSET), (_INSIDE, (1 - _THIRD) / 2)):
+        for side, at in (("top", inset), ("bottom", 1 - inset)):
+            out[how, side] = _line(share * right, at * bottom)
+        for side, at in (("left", inset), ("right", 1 - inset)):
+            out[how, side] = _line(at * right, share * bottom)
     return out
 
 

@@ -46,7 +46,7 @@ def _folding(made: Calibration) -> str:
 
 
 def _outstanding(made: Calibration) -> str:
-    lines = [line for line in made.lines if line.n_points]
+    lines = [line for line in made.lines if not line.left_out]
     typical = float(np.median([line.rms_after_px for line in lines]))
     worst = max(lines, key=lambda line: line.rms_after_px)
     if worst.rms_after_px > max(_OUTSTANDING * typical, 1.0):

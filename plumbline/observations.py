@@ -9,12 +9,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import groupby
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from plumbline.errors import DegenerateLinesError, OptionError, ReadError
 from plumbline.facts import LensFacts
+from plumbline.frame import Array
 from plumbline.picks import MAX_SIDE, Line, Origin, Photo
 from plumbline.wording import count, listed
 
@@ -112,6 +114,15 @@ class Observations:
     def n_points(self) -> int:
         """Number of points on all lines."""
         return int(self.sizes.sum())
+
+    @property
+    def centred_px(self) -> Array:
+        """All points line after line, in square pixels from their photos' centres, (n, 2)."""
+        parts: list[Array] = []
+        for photo, lines in groupby(self.lines, key=lambda line: line.photo):
+            points_px = np.concatenate([line.points_px for line in lines])
+            parts.append(self.photos[photo].frame.normalise(points_px, 1.0))
+        return np.concatenate(parts)
 
     def of_lens(self, lens: int) -> Observations:
         """Only the photos and lines taken with lens number `lens` (from 0)."""

@@ -16,6 +16,7 @@ import numpy as np
 from plumbline._version import __version__
 from plumbline.calibration import Calibration
 from plumbline.files import RESULT
+from plumbline.straightness import LineStraightness
 from plumbline.suspect import Suspect
 
 FORMAT_VERSION = 1
@@ -67,24 +68,32 @@ def as_dict(made: Calibration) -> dict[str, Any]:
         "notes": list(made.notes),
         "remarks": list(made.remarks),
         "command": made.command,
-        "lines": [line._asdict() for line in made.lines],
+        "lines": [_line(line) for line in made.lines],
         "observations": _observations(made),
     }
 
 
 def _displacement(made: Calibration) -> dict[str, Any] | None:
-    sure = made.displacement
-    if sure is None:
+    sure, quoted = made.displacement, made.quoted_displacement
+    if sure is None or quoted is None:
         return None
     wide = made.jackknife_displacement
     return {
+        "quote_px": quoted.worst_px,
+        "quote_at_px": quoted.worst_at_px.tolist(),
         "largest_px": sure.worst_px,
-        "at_px": list(sure.worst_at),
+        "at_px": sure.worst_at_px.tolist(),
         "jackknife_largest_px": None if wide is None else wide.worst_px,
         "quoted": "jackknife" if made.quotes_jackknife else "independent",
         "points_px": sure.points_px.tolist(),
         "errors_px": sure.errors_px.tolist(),
     }
+
+
+def _line(line: LineStraightness) -> dict[str, Any]:
+    """Its straightness, null where it was left out as a whole."""
+    known = line._asdict()
+    return {n: None if line.left_out and n.endswith("_px") else v for n, v in known.items()}
 
 
 def _jackknife(made: Calibration) -> dict[str, Any] | None:

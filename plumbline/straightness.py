@@ -34,6 +34,11 @@ class LineStraightness(NamedTuple):
     rms_after_px: float
     largest_after_px: float
 
+    @property
+    def left_out(self) -> bool:
+        """Whether it was left out as a whole, and its numbers are those of no fit."""
+        return self.n_points == 0
+
 
 @dataclass(frozen=True, eq=False)
 class Lines:
@@ -131,11 +136,7 @@ def straightness_before(
         kept: Which points of each line its straight line is fitted to; all by default, and of a
             line that kept none.
     """
-    frames = [photo.frame for photo in observations.photos]
-    points = np.concatenate(
-        [frames[line.photo].normalise(line.points_px, 1.0) for line in observations.lines]
-    )
-    sizes = observations.sizes
+    points, sizes = observations.centred_px, observations.sizes
     every = np.ones(len(points), dtype=np.bool_)
     drawn = every if kept is None else drawn_through(np.concatenate(kept), sizes)
     lines = fit_lines(points, sizes, drawn.astype(np.float64))

@@ -23,7 +23,7 @@ _MATTERS_PX = 0.1
 
 def after_fit(made: Calibration) -> tuple[Check, ...]:
     """What can be said of picks and lens once they are fitted."""
-    found = (_condition(made), _correction(made), _steady(made), _model(made), _suspects(made))
+    found = (_condition(made), _correction(made), _steady(made), _model(made), suspects_check(made))
     return tuple(check for check in found if check is not None)
 
 
@@ -53,10 +53,9 @@ def _correction(made: Calibration) -> Check:
             "the model folds inside the photo, so that the error of the correction is not known",
             "free fewer coefficients, or pick lines closer to the corners",
         )
-    x, y = sure.worst_at
     finding = (
-        f"the correction is uncertain by {px(sure.worst_px)} at ({x:.0f}, {y:.0f}), where it is "
-        "worst (one standard error)"
+        f"the correction is uncertain by {px(sure.worst_px)} {sure.worst_place}, where it is worst "
+        "(one standard error)"
     )
     more = next_line(made)
     advice = ""
@@ -85,8 +84,9 @@ def _steady(made: Calibration) -> Check | None:
         return Check(
             "line by line",
             True,
-            f"of independent picking errors {px(sure.worst_px)}, of leaving out one line at a time "
-            f"{px(wide.worst_px)}; the larger is the one to quote",
+            f"quote {px(max(sure.worst_px, wide.worst_px))}, the larger of what independent "
+            f"picking errors make ({px(sure.worst_px)}) and what leaving out one line at a time "
+            f"says ({px(wide.worst_px)})",
         )
     return Check(
         "line by line",
@@ -105,27 +105,33 @@ def _model(made: Calibration) -> Check | None:
         f"a richer model (with {more.names}) would move the correction by up to "
         f"{px(more.largest_px)} (± {px(more.error_px)})"
     )
-    if more.largest_px <= max(_SIGNIFICANT * more.error_px, _MATTERS_PX):
+    if more.largest_px > max(_SIGNIFICANT * more.error_px, _MATTERS_PX):
+        return Check("model", False, finding, "see plumbline compare")
+    sure = made.quoted_displacement
+    if sure is None or more.largest_px <= max(sure.worst_px, _MATTERS_PX):
         return Check("model", True, finding)
-    return Check("model", False, finding, "see plumbline compare")
+    finding += ", more than the error to quote; the picks cannot tell whether it is needed"
+    return Check("model", True, finding, doubtful=True)
 
 
-def _suspects(made: Calibration) -> Check:
+def suspects_check(made: Calibration) -> Check:
+    """Which picks are wrong, and what to do about them."""
     out = sum(len(suspect.picks) for suspect in made.suspects if suspect.left_out)
     odd = sum(not suspect.left_out for suspect in made.suspects)
     n_points = made.observations.n_points
     if not made.suspects:
         return Check("suspects", True, f"none of the {count(n_points, 'pick')} is suspicious")
     oddities = "1 oddity" if odd == 1 else f"{odd:,} oddities"
+    kind = "(a bent line or a place picked twice)"
+    look = "look at it" if out + odd == 1 else "look at each of them"
     if not out:
-        finding = f"{oddities} (a bent line or a place picked twice) on the lines"
-        return Check("suspects", False, finding, "look at each of them")
-    finding, remedy = f"{count(out, 'pick')} of {n_points:,} ", "look at each of them"
+        return Check("suspects", False, f"{oddities} {kind} on the lines", look)
+    finding = f"{count(out, 'pick')} of {n_points:,} "
     if made.robust:
         finding += "left out as suspicious"
     else:
         finding += "is suspicious" if out == 1 else "are suspicious"
-        remedy = "look at them, or leave them out with --robust"
+        look += f", or leave {'it' if out == 1 else 'them'} out with --robust"
     if odd:
-        finding += f", and {oddities} besides (a bent line or a place picked twice)"
-    return Check("suspects", False, finding, remedy)
+        finding += f", and {oddities} besides {kind}"
+    return Check("suspects", False, finding, look)

@@ -16,6 +16,11 @@ def listed(items: Sequence[str], most: int = 8) -> str:
     return ", ".join(items[:most]) + more
 
 
+def joined(items: Sequence[str], word: str = "and") -> str:
+    """Items as a sentence lists them: "top", "top and left", "top, left and right"."""
+    return f" {word} ".join(filter(None, (", ".join(items[:-1]), *items[-1:])))
+
+
 def px(length: float) -> str:
     """A length with two significant digits: "0.58 px", "1.0 px", "12 px", "1,230 px"."""
     if abs(length) >= 10:

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from plumbline.calibration import Calibration, refuse_unsettled
-from plumbline.errors import OptionError, UnsupportedModelError, WriteError
-from plumbline.files import refuse_to_clobber, write_atomically
+from plumbline.errors import OptionError, UnsupportedModelError
+from plumbline.files import refuse_to_clobber, refuse_unknown_suffix, write_atomically
 from plumbline.formats.csv import write_csv
 from plumbline.formats.pto_writing import new_project, rewritten
 from plumbline.lensfun_writing import lensfun_bytes
@@ -56,12 +56,7 @@ def result_bytes(
     """
     suffix = target.suffix.lower()
     makers = {".pto": project_bytes, ".xml": lensfun_bytes, ".json": _json_bytes}
-    if suffix not in makers:
-        raise WriteError(
-            f"the suffix {suffix or '(none)'} stands for no format of results",
-            path=target,
-            hint=f"use one of {', '.join(RESULT_SUFFIXES)}",
-        )
+    refuse_unknown_suffix(target, RESULT_SUFFIXES, "results")
     inputs = [path for made in calibrations for path in _inputs(made.observations)]
     refuse_to_clobber(target, inputs, overwrite=overwrite)
     if suffix != ".json":
@@ -82,15 +77,9 @@ def write_points(observations: Observations, path: str | Path, *, overwrite: boo
         OptionError: a CSV would mix the lines of several lenses.
     """
     target = Path(path)
-    suffix = target.suffix.lower()
-    if suffix not in POINT_SUFFIXES:
-        raise WriteError(
-            f"the suffix {suffix or '(none)'} stands for no format of points",
-            path=path,
-            hint=f"use one of {', '.join(POINT_SUFFIXES)}",
-        )
+    refuse_unknown_suffix(target, POINT_SUFFIXES, "points")
     refuse_to_clobber(target, _inputs(observations), overwrite=overwrite)
-    if suffix == ".csv":
+    if target.suffix.lower() == ".csv":
         _refuse_to_mix_lenses(observations)
         content = write_csv(observations).encode()
     else:

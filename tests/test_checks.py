@@ -7,6 +7,7 @@ import pytest
 
 from plumbline import Observations
 from plumbline.checks import Check, before_fit, extrapolated_share, placed_lines
+from plumbline.observations import Line, Photo
 from tests.truth import Array
 
 SIZE = WIDTH, HEIGHT = 3000, 2000
@@ -65,9 +66,24 @@ def test_too_few_points() -> None:
     check = checked(few, 3)["points"]
     assert not check.passed
     assert "14 points on 4 lines leave 3 degrees of freedom for 3 coefficients" in check.finding
-    assert "pick more points along each line" in check.remedy
+    assert (
+        "3 degrees of freedom are uncertain themselves; pick at least 3 more points" in check.remedy
+    )
     assert checked([*few, level(1940, n=5)], 3)["points"].passed
-    assert "0 degrees" in checked(few, 8)["points"].finding
+    fewer = checked(few, 5)["points"]
+    assert "leave 1 degree of freedom for 5 coefficients" in fewer.finding
+    assert "from 1 degree of freedom are nearly worthless; pick at least 5 more" in fewer.remedy
+
+
+@pytest.mark.parametrize(("n_free", "more"), [(6, 6), (8, 8)])
+def test_no_degrees_of_freedom_at_all(n_free: int, more: int) -> None:
+    few = [level(60, n=3), level(650, n=3), upright(80, n=4), upright(2920, n=4)]
+    check = checked(few, n_free)["points"]
+    assert check.finding == (
+        f"14 points on 4 lines are too few for {n_free} coefficients: 2 of each line only place "
+        "it, which leaves 6"
+    )
+    assert check.remedy.startswith(f"pick at least {more} more along the lines")
 
 
 def test_picks_that_leave_the_outside_to_extrapolation() -> None:
@@ -94,10 +110,35 @@ def test_lines_in_one_quadrant() -> None:
     ]
     checks = checked(quadrant)
     assert failed(quadrant) >= {"corners"}
-    assert "top right, bottom right and bottom left" in checks["corners"].finding
+    assert "the top right, bottom right and bottom left corners" in checks["corners"].finding
     assert "top left" not in checks["corners"].finding
     assert checks["corners"].remedy == "pick lines that run into the corners"
-    assert checked([level(60), level(1940)])["corners"].finding.endswith("near all four")
+    every = checked([level(60), level(1940)])["corners"]
+    assert every.finding == "there are picks near all four corners"
+    assert every.passed
+    assert not every.doubtful
+
+
+@pytest.mark.parametrize(
+    ("lines", "bare"),
+    [
+        ([level(60), level(1940, 60, 900)], "bottom right corner"),
+        ([level(60), level(650)], "bottom right and bottom left corners"),
+    ],
+)
+def test_one_or_two_bare_corners_deserve_a_look(lines: list[Array], bare: str) -> None:
+    check = checked(lines)["corners"]
+    assert check.finding == f"there are no picks near the {bare}"
+    assert (check.passed, check.doubtful) == (True, True)
+
+
+def test_corners_are_those_of_each_photo() -> None:
+    """A standing photo beside a lying one, with picks in the corners of the standing one alone."""
+    photos = (Photo(SIZE), Photo((HEIGHT, WIDTH)))
+    inner, left, right = level(650, 900, 2100), upright(100, 100, 2900), upright(1900, 100, 2900)
+    lines = (Line(inner, 0), Line(left, 1), Line(right, 1))
+    check = {c.name: c for c in before_fit(Observations(photos, lines), 1, 1)}["corners"]
+    assert check.finding == "there are picks near all four corners"
 
 
 def test_lines_through_the_centre() -> None:
@@ -108,9 +149,14 @@ def test_lines_through_the_centre() -> None:
     assert not check.passed
     assert check.finding.startswith("6 lines (1, 2, 3, 4, 5, 6) run too close to the centre")
     assert "near the edges" in check.remedy
-    told = checked([*GOOD, central[0]])["central lines"]
+    assert not checked(GOOD)["central lines"].doubtful
+    near = level(1004.5)  # 5 px off the centre, where 1 % of magnification bends it by 0.1 px
+    told = checked([*GOOD, central[0], near])["central lines"]
     assert told.passed
-    assert told.finding.startswith("1 line (7) runs too close to the centre")
+    assert told.doubtful
+    assert told.finding.startswith("2 lines (7, 8) run too close to the centre")
+    alone = checked([*GOOD, level(1029.5)])["central lines"]  # here by 0.6 px
+    assert not alone.doubtful
 
 
 @pytest.mark.parametrize(

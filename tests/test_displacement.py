@@ -9,7 +9,7 @@ import pytest
 
 import plumbline
 from plumbline import calibrate
-from plumbline.displacement import difference_px, displacement_errors, grid_px
+from plumbline.displacement import Displacement, difference_px, displacement_errors, grid_px
 from plumbline.frame import Array, Frame
 from plumbline.lens import Lens
 from plumbline.models import get_model
@@ -100,9 +100,29 @@ def test_a_common_scale_is_no_error() -> None:
     assert five.displacement is not None
     ratio = five.displacement.errors_px / three.displacement.errors_px
     np.testing.assert_allclose(np.delete(ratio, 40), 1 - k1, rtol=1e-5)  # the centre's is 0
-    assert three.displacement.worst_at == five.displacement.worst_at
-    at = three.displacement.worst_at
-    assert at in [(0.0, 0.0), (2999.0, 0.0), (0.0, 2249.0), (2999.0, 2249.0)]
+    for made in (three, five):
+        at_px = made.displacement.worst_at_px if made.displacement else None
+        # Radial terms about the image centre err alike in all four corners.
+        np.testing.assert_array_equal(at_px, [[0, 0], [2999, 0], [0, 2249], [2999, 2249]])
+
+
+@pytest.mark.parametrize(
+    ("worst", "words"),
+    [
+        ([0, 2, 6, 8], "at the corners"),
+        ([0], "at (0, 0)"),
+        ([3, 5], "at (0, 50), (200, 50)"),
+        ([0, 2, 3, 8], "at (0, 0), (200, 0), (0, 50), (200, 100)"),
+        (list(range(9)), "at 9 places"),
+    ],
+)
+def test_places_that_are_as_bad_are_all_told(worst: list[int], words: str) -> None:
+    x, y = np.meshgrid([0.0, 100.0, 200.0], [0.0, 50.0, 100.0])
+    errors_px = np.full(9, 1.9)
+    errors_px[worst] = 2.0 - 0.001 * np.arange(len(worst))
+    sure = Displacement(np.stack((x.ravel(), y.ravel()), axis=1), errors_px)
+    assert sure.worst_place == words
+    assert sure.worst_px == 2.0
 
 
 def test_a_perspective_is_no_error_where_lines_cannot_see_it() -> None:

@@ -29,6 +29,7 @@ from plumbline.resampling import Bootstrap
 from plumbline.result_json import to_json
 from plumbline.result_reading import from_json
 from plumbline.suspect import Suspect
+from tests.report.made import building, without_a_line
 
 THIRD = 1 / 3
 
@@ -167,9 +168,38 @@ def test_the_documented_names() -> None:
     ]
     assert (found["command"], found["robust"]) == ("plumbline fit x.pto --robust", True)
     for check in found["checks"]:
-        assert set(check) == {"name", "passed", "finding", "remedy"}
+        assert set(check) == {"name", "passed", "finding", "remedy", "doubtful"}
     assert set(found["finding"]) == {"kind", "percent", "corner_px", "folds_at_px"}
     assert set(found["observations"]) == {"lens", "photos", "lines", "origins", "notes"}
+
+
+def test_the_error_to_quote_is_the_one_of_the_summary() -> None:
+    made = building()
+    told = json.loads(to_json([made]))["displacement"]
+    assert told["quoted"] == "jackknife"
+    assert told["quote_px"] == told["jackknife_largest_px"] > told["largest_px"]
+    assert f"quote {told['quote_px']:#.2g} px" in " ".join(made.notes)
+    # Radial terms about the image centre err alike in all four corners.
+    assert told["quote_at_px"] == told["at_px"] == [[0, 0], [2255, 0], [0, 1503], [2255, 1503]]
+    independent = replace(made, covariance=9 * made.covariance)
+    told = json.loads(to_json([independent]))["displacement"]
+    assert told["quoted"] == "independent"
+    assert told["quote_px"] == told["largest_px"] > told["jackknife_largest_px"]
+
+
+def test_a_line_left_out_as_a_whole_has_no_straightness() -> None:
+    text = to_json([without_a_line()])
+    lines = json.loads(text)["lines"]
+    assert lines[4] == {
+        "label": "5",
+        "photo": 0,
+        "n_points": 0,
+        "rms_before_px": None,
+        "rms_after_px": None,
+        "largest_after_px": None,
+    }
+    assert all(line["rms_after_px"] < 0.5 for line in lines[:4] + lines[5:])
+    assert to_json(from_json(text, "x.json")) == text
 
 
 @pytest.mark.parametrize("count", [1, 2, 3])

@@ -9,6 +9,7 @@ import numpy as np
 from plumbline import Observations, calibrate
 from plumbline.calibration import Calibration
 from plumbline.checks import Check
+from plumbline.trust_checks import after_fit
 from tests.benchmarks.groups import DENSE, lens
 from tests.benchmarks.simulated import Group
 from tests.benchmarks.spoiling import bent
@@ -58,8 +59,7 @@ def test_an_uncertain_correction_names_the_line_to_pick_next() -> None:
     assert "would lower that to about" in check.remedy
     sure = made.quoted_displacement
     assert sure is not None
-    x, y = sure.worst_at
-    assert f"at ({x:.0f}, {y:.0f})" in check.finding
+    assert f"{sure.worst_px:.0f} px at the corners, where it is worst" in check.finding
 
 
 def test_bent_edges_are_said_with_the_error_to_quote() -> None:
@@ -88,25 +88,43 @@ def test_a_model_that_cannot_follow_the_lens_is_said() -> None:
     assert "plumbline compare" in check.remedy
 
 
+def test_a_richer_model_that_the_picks_can_neither_want_nor_refuse() -> None:
+    """A model error below 2.5 of its own errors, and above the error to quote, deserves a look."""
+    found = [calibrate(picked(BARREL, noise_px=0.3, seed=seed), free=("b", "c")) for seed in (1, 2)]
+    for made in found:
+        more, sure = made.model_error, made.quoted_displacement
+        assert more is not None
+        assert sure is not None
+        for factor, verdict in ((0.9, (True, False)), (1.1, (True, True)), (9.0, (False, False))):
+            size = factor * sure.worst_px
+            told = replace(more, largest_px=size, error_px=sure.worst_px)
+            object.__setattr__(made, "model_error", told)
+            (check,) = [c for c in after_fit(made) if c.name == "model"]
+            assert (check.passed, check.doubtful) == verdict
+            assert ("more than the error to quote" in check.finding) == check.doubtful
+
+
 def test_what_a_robust_fit_left_out_is_said() -> None:
     obs = picked(BARREL, noise_px=0.3, seed=2)
     obs.lines[2].points_px[4] += (0.0, 30.0)
     assert checked(calibrate(obs))["suspects"].sentence == (
-        "1 pick of 192 is suspicious: look at them, or leave them out with --robust"
+        "1 pick of 192 is suspicious: look at it, or leave it out with --robust"
     )
     assert checked(calibrate(obs, robust=True))["suspects"].sentence == (
-        "1 pick of 192 left out as suspicious: look at each of them"
+        "1 pick of 192 left out as suspicious: look at it"
     )
     lines = [line.points_px for line in picked(BARREL, noise_px=0.3, seed=2).lines]
     lines[4] = np.insert(lines[4], 6, lines[4][5] + (0.3, 0.2), axis=0)
     made = calibrate(Observations.from_arrays(lines, BARREL.size))
     assert checked(made)["suspects"].sentence == (
-        "1 oddity (a bent line or a place picked twice) on the lines: look at each of them"
+        "1 oddity (a bent line or a place picked twice) on the lines: look at it"
     )
     lines[2][4] += (0.0, 30.0)
+    lines[7][4] += (0.0, 30.0)
     made = calibrate(Observations.from_arrays(lines, BARREL.size), robust=True)
     finding = checked(made)["suspects"].finding
-    assert finding.startswith("1 pick of 193 left out as suspicious, and 1 oddity besides")
+    assert finding.startswith("2 picks of 193 left out as suspicious, and 1 oddity besides")
+    assert checked(made)["suspects"].remedy == "look at each of them"
 
 
 def test_a_lens_that_sees_no_pick_has_no_condition() -> None:

@@ -73,7 +73,7 @@ def test_the_format_follows_the_suffix(tmp_path: Path, suffix: str) -> None:
 
 @pytest.mark.parametrize("name", ["x.png", "x", ".pto", "x.pto.bak", ""])
 def test_other_suffixes_are_refused(tmp_path: Path, name: str) -> None:
-    with pytest.raises(WriteError, match="stands for no format") as caught:
+    with pytest.raises(WriteError, match="results are not written as") as caught:
         plumbline.write(calibration(), tmp_path / name)
     assert ".xml" in caught.value.hint
     assert list(tmp_path.iterdir()) == []
@@ -356,7 +356,7 @@ def test_a_csv_does_not_mix_lenses(tmp_path: Path) -> None:
 
 def test_points_have_no_other_formats(tmp_path: Path) -> None:
     for name in ("p.xml", "p.json", "p"):
-        with pytest.raises(PlumblineError, match="stands for no format of points") as caught:
+        with pytest.raises(PlumblineError, match="points are not written as") as caught:
             plumbline.write_points(calibration().observations, tmp_path / name)
         assert caught.value.hint
 

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import _thread
+import contextlib
 import io
+import os
+import signal
 import sys
 import threading
 from importlib import import_module
+from pathlib import Path
 
 import click
 
@@ -65,22 +69,49 @@ def command() -> None:
 
 
 def main() -> None:
-    """Run the command line; errors become one red sentence, the remedy, and status 1."""
+    """Run the command line; errors become one red sentence, the remedy, and a status."""
     for stream in (sys.stdout, sys.stderr):
         # A file name that is no text, or a terminal without Greek letters, is no reason to stop.
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")
     sys.unraisablehook = _interrupted_again
+    sys.exit(_status())
+
+
+def _status() -> int:
+    """Run the command; the exit status."""
     try:
-        command(prog_name="plumbline")
+        status = command(prog_name="plumbline", standalone_mode=False)
+        sys.stdout.flush()
+    except click.ClickException as error:
+        error.show()
+        return error.exit_code
+    except (click.Abort, KeyboardInterrupt):
+        _complain("Stopped: no file was written but those named above")
+        return 128 + signal.SIGINT
     except PlumblineError as error:
-        click.secho(f"Error: {printable(error.message)}.", fg="red", err=True)
+        _complain(f"Error: {printable(error.message)}")
         if error.hint:
             click.echo(f"  {printable(error.hint)}.", err=True)
-        sys.exit(1)
+        return 1
+    except BrokenPipeError:  # whoever reads the output has seen enough of it
+        _drop_output()
+        return 1
     except OSError as error:  # files have errors of their own: this is the standard output
-        click.secho(f"Error: the output cannot be written: {error.strerror}.", fg="red", err=True)
-        sys.exit(1)
+        _drop_output()
+        _complain(f"Error: the output cannot be written: {error.strerror}")
+        return 1
+    return status or 0
+
+
+def _complain(sentence: str) -> None:
+    click.secho(f"{sentence}.", fg="red", err=True)
+
+
+def _drop_output() -> None:
+    """Send what is still to be printed nowhere, or Python complains of it at the end."""
+    with contextlib.suppress(OSError, ValueError), Path(os.devnull).open("wb") as nowhere:
+        os.dup2(nowhere.fileno(), sys.stdout.fileno())
 
 
 def _interrupted_again(unraisable: sys.UnraisableHookArgs) -> None:

@@ -13,8 +13,8 @@ _HELP = """Say whether the picks can tell the distortion, and what to pick next.
 Before any fit: whether the lines reach the edges and corners, which part of the photo is
 extrapolated, whether lines are too central to tell anything, and the rule of LensFun's profile
 makers. After a fit: how sure the correction is and which line would help most, how much the result
-hangs on single lines, whether a richer model would differ, and which picks are suspicious. Each
-with its remedy. Nothing is written.
+hangs on single lines, whether a richer model would differ, and which picks are suspicious.
+✓ marks what is good, ? what is doubtful, and ✗ what is bad, with its remedy. Nothing is written.
 
 \b
 Examples:
@@ -29,7 +29,8 @@ Examples:
     short_help="Say whether the picks can tell the distortion, and what to pick next.",
 )
 @click.argument("points", nargs=-1, required=True)
-@options.fitting
+@options.model
+@options.coefficients
 @options.reading
 @options.focal
 @click.option("--json", "as_json", is_flag=True, help="Print the checks as JSON.")
@@ -49,6 +50,7 @@ def command(
     from plumbline.report.checks import print_checks, print_suspects
     from plumbline.report.terminal import WideConsole, print_title
 
+    options.refuse_unknown(model, {"--free": free, "--hold": hold})
     parts = parts_of(points, reading)
     found = check_lenses(parts, model, free, hold or (), Console(stderr=True))
     if as_json:

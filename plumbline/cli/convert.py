@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import click
@@ -29,9 +30,12 @@ def command(source: str, target: str, overwrite: bool, image: int | None, **how:
     """Read points and write them."""
     from plumbline.cli.pipeline import gather
     from plumbline.errors import printable
+    from plumbline.files import refuse_unknown_suffix
     from plumbline.wording import count
-    from plumbline.writing import resampling_notes, write_points
+    from plumbline.writing import POINT_SUFFIXES, resampling_notes, write_points
 
+    with options.wrong_call():
+        refuse_unknown_suffix(Path(target), POINT_SUFFIXES, "points")
     observations = gather([source], image=image, **how)
     written = write_points(observations, target, overwrite=overwrite)
     notes = list(observations.notes)
@@ -45,4 +49,4 @@ def command(source: str, target: str, overwrite: bool, image: int | None, **how:
     )
     width, height = observations.photos[0].frame.size
     size = f" --size {width}x{height}" if written.suffix.lower() == ".csv" else ""
-    click.echo(f"Next: plumbline fit {printable(str(written))}{size}", err=True)
+    click.echo(f"Next: plumbline fit {printable(str(written))}{size}")

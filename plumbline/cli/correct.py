@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from plumbline.cli import lens_options, options
+from plumbline.cli import lens_options, option_types, options
 
 _HELP = """Take the lens distortion out of photographs.
 
@@ -91,7 +91,9 @@ _USELESS = {
 @click.option(
     "--points", metavar="FILE", help="Correct picked points instead of pixels, into a CSV."
 )
-@click.option("--size", type=options.Pair(), metavar="WxH", help="Size of the photo of --points.")
+@click.option(
+    "--size", type=option_types.Pair(), metavar="WxH", help="Size of the photo of --points."
+)
 @click.option(
     "--jobs",
     type=click.IntRange(min=1),

@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from plumbline.cli import options
+from plumbline.cli import option_types, options
 
 _HELP = """Find the distortion that makes picked lines straight.
 
@@ -32,10 +32,11 @@ Examples:
     "fit", help=_HELP, short_help="Find the distortion that makes picked lines straight."
 )
 @click.argument("points", nargs=-1, required=True)
-@options.fitting
+@options.model_or_auto
+@options.coefficients
 @click.option(
     "--start",
-    type=options.Start(),
+    type=option_types.Start(),
     metavar="VECTOR",
     help="Start vector as a=0.03,b=-0.1, or `file` for the project's; from zero by default.",
 )
@@ -47,13 +48,7 @@ Examples:
     help="Measure straightness in the photograph's pixels, or in the corrected photo's.",
 )
 @click.option("--robust", is_flag=True, help="Leave suspicious picks out, and list them.")
-@click.option(
-    "--bootstrap",
-    type=click.IntRange(min=0),
-    default=0,
-    metavar="N",
-    help="Fit N times to resampled residuals, for error bars beside the others.",
-)
+@options.bootstrap
 @options.reading
 @options.labelling
 @click.option(
@@ -81,7 +76,7 @@ def command(
     start: Any,
     residual: Any,
     robust: bool,
-    bootstrap: int,
+    bootstrap: int | None,
     output: tuple[str, ...],
     report: str | None,
     plots: tuple[str, ...],
@@ -97,14 +92,19 @@ def command(
     from plumbline.cli.fitting import Wishes, draw, fit_lenses
     from plumbline.cli.pipeline import command_line, parts_of, write_results
     from plumbline.errors import printable
+    from plumbline.files import refuse_unknown_suffix
     from plumbline.report.terminal import WideConsole, print_summary
-    from plumbline.writing import refuse_unsettled
+    from plumbline.writing import RESULT_SUFFIXES, refuse_unsettled
 
-    wishes = Wishes(model, free, hold or (), start, residual, robust, bootstrap).checked()
-    if report is not None or plots:
-        from plumbline.report.writing import check_targets
+    options.refuse_unknown(model, {"--free": free, "--hold": hold, "--start": start})
+    with options.wrong_call():
+        for target in output:
+            refuse_unknown_suffix(Path(target), RESULT_SUFFIXES, "results")
+        if report is not None or plots:
+            from plumbline.report.writing import check_targets
 
-        check_targets(report, plots)
+            check_targets(report, plots)
+    wishes = Wishes(model, free, hold or (), start, residual, robust, bootstrap)
     narration = Console(stderr=True)
     made = fit_lenses(parts_of(points, reading), wishes, narration)
     calibrations = [replace(each, command=command_line()) for each in made]

@@ -7,8 +7,9 @@ from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+from plumbline.cli.option_types import AUTO
 from plumbline.cli.pipeline import name_the_source
-from plumbline.errors import OptionError, PlumblineError
+from plumbline.errors import PlumblineError
 
 if TYPE_CHECKING:
     from collections.abc import Generator
@@ -19,8 +20,6 @@ if TYPE_CHECKING:
     from plumbline.calibration import Calibration
     from plumbline.comparison import Comparison
     from plumbline.observations import Observations
-
-AUTO = "auto"
 
 
 @dataclass(frozen=True)
@@ -34,7 +33,7 @@ class Wishes:
         start: Start vector.
         residual: Kind of residual.
         robust: Leave suspicious picks out.
-        bootstrap: Number of bootstrap fits; 0 for none.
+        bootstrap: Number of bootstrap fits; None for no bootstrap.
     """
 
     model: str
@@ -43,25 +42,7 @@ class Wishes:
     start: Any
     residual: Any
     robust: bool
-    bootstrap: int
-
-    def checked(self) -> Wishes:
-        """The same, if it makes sense.
-
-        Raises:
-            OptionError: coefficients are named for a model that is yet to be chosen.
-            UnsupportedModelError: there is no such model.
-        """
-        from plumbline.models import get_model
-
-        if self.model != AUTO:
-            get_model(self.model)
-        elif self.free or self.hold or self.start is not None:
-            raise OptionError(
-                "--model auto chooses the model and its coefficients itself",
-                hint="leave out --free, --hold and --start, or name the model",
-            )
-        return self
+    bootstrap: int | None
 
 
 def fit_lenses(
@@ -76,7 +57,7 @@ def fit_lenses(
     for part in parts:
         with _named(part, len(parts)):
             calibration = _fitted(part, wishes, narration)
-            if wishes.bootstrap:
+            if wishes.bootstrap is not None:
                 calibration = _again(calibration, wishes.bootstrap, narration)
             made.append(calibration)
     return made
@@ -172,7 +153,8 @@ def _progress(
 
     @contextmanager
     def running() -> Generator[Callable[[int], object]]:
-        with Progress(*columns, console=narration, transient=True) as progress:
+        hidden = not narration.is_terminal
+        with Progress(*columns, console=narration, transient=True, disable=hidden) as progress:
             task = progress.add_task(what, total=total)
             yield lambda steps: progress.advance(task, steps)
 

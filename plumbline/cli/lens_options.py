@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from plumbline.cli.options import Pair, Positive, Start, stacked
+from plumbline.cli.option_types import Pair, Positive, Start
+from plumbline.cli.options import stacked
 
 if TYPE_CHECKING:
     from plumbline.lenses.request import LensRequest

@@ -1,127 +1,20 @@
-"""Options that several verbs share, spelt once, and the types of their values."""
+"""Options that several verbs share, spelt once."""
 
 from __future__ import annotations
 
-import math
-import re
-from collections.abc import Callable, Iterable
-from typing import TYPE_CHECKING, Any, TypeVar
+from collections.abc import Callable, Generator, Iterable, Mapping
+from contextlib import contextmanager
+from typing import Any, TypeVar
 
 import click
 from click.core import ParameterSource
 
+from plumbline.cli import option_types as types
+
 _F = TypeVar("_F", bound=Callable[..., Any])
 
 _FORMATS = "ptgui, pto, cvat, labelme, via, imagej, webplotdigitizer, winmorph, csv"
-
-
-if TYPE_CHECKING:
-    _Type = click.ParamType[Any]
-else:
-    _Type = click.ParamType  # not generic in every version that will do
-
-
-class Pair(_Type):
-    """Two whole numbers with an x between them."""
-
-    name = "pair"
-
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> tuple[int, int]:
-        """Read `2048x1536`."""
-        if isinstance(value, tuple):
-            return value
-        match = re.fullmatch(r"(\d{1,7})[xX×](\d{1,7})", str(value).strip(), re.ASCII)
-        if match is None:
-            self.fail(f"{value!r} is no pair of whole numbers such as 2048x1536", param, ctx)
-        return int(match[1]), int(match[2])
-
-
-class Names(_Type):
-    """Names separated by commas."""
-
-    name = "names"
-
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> tuple[str, ...]:
-        """Read `a,b,c`."""
-        names = tuple(part.strip() for part in str(value).split(",") if part.strip())
-        if not names:
-            self.fail("names no coefficient; write for example a,b,c", param, ctx)
-        return names
-
-
-class Start(_Type):
-    """A start vector, or the word `file`."""
-
-    name = "start"
-
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> str | dict[str, float]:
-        """Read `a=0.03,b=-0.1`."""
-        if value == "file":
-            return "file"
-        start: dict[str, float] = {}
-        for part in str(value).split(","):
-            name, sign, number = part.partition("=")
-            try:
-                start[name.strip()] = float(number)
-            except ValueError:
-                sign = ""
-            if not sign or not math.isfinite(start[name.strip()]):
-                self.fail(f"{part!r} is not NAME=NUMBER as in a=0.03,b=-0.1", param, ctx)
-        return start
-
-
-class Positive(_Type):
-    """A finite number above zero, up to the largest that makes sense."""
-
-    name = "number"
-
-    def __init__(self, most: float = 1e7) -> None:
-        self.most = most
-
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> float:
-        """Read a positive number."""
-        try:
-            number = float(value)
-        except ValueError:
-            number = math.nan
-        if not 1 / self.most <= number <= self.most:
-            self.fail(f"{value!r} is no number above zero and up to {self.most:g}", param, ctx)
-        return number
-
-
-class Text(_Type):
-    """A name that shows."""
-
-    name = "text"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
-        """Read a name, without blanks around it."""
-        text = str(value).strip()
-        if not text or not text.isprintable():
-            self.fail("is empty, or not printable", param, ctx)
-        return text
-
-
-class Ratio(Positive):
-    """A positive number, also written as `4:3`."""
-
-    name = "ratio"
-
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> float:
-        """Read `4:3` or `1.333`."""
-        over, colon, under = str(value).partition(":")
-        first = super().convert(over, param, ctx)
-        return first / super().convert(under, param, ctx) if colon else first
+_BOOTSTRAP = 50, 100_000
 
 
 def refuse_useless(context: click.Context, what: str, useless: Iterable[str]) -> None:
@@ -136,6 +29,45 @@ def refuse_useless(context: click.Context, what: str, useless: Iterable[str]) ->
         given = context.get_parameter_source(parameter.name or "") is ParameterSource.COMMANDLINE
         if given and parameter.name in set(useless):
             raise click.UsageError(f"{what} has no use for {parameter.opts[0]}; leave it out")
+
+
+def refuse_unknown(model: str, coefficients: Mapping[str, Iterable[str] | None]) -> None:
+    """Refuse coefficients that the model does not have, or that are named for `auto`.
+
+    Args:
+        model: Name of the model.
+        coefficients: Those that each option names, None where it is not given; or `file`.
+    """
+    from plumbline.errors import printable
+    from plumbline.models import CENTRE, get_model
+
+    given = {flag: names for flag, names in coefficients.items() if names is not None}
+    if model == types.AUTO and given:
+        raise click.UsageError(
+            "--model auto chooses the model and its coefficients itself; leave out "
+            f"{', '.join(given)}, or name the model"
+        )
+    known = () if model == types.AUTO else (*get_model(model).coefficients, *CENTRE)
+    for flag, names in given.items():
+        for name in () if names == types.FILE else names:
+            if name not in known:
+                raise click.UsageError(
+                    printable(
+                        f"{flag} names an unknown coefficient {name!r}; those of {model} are "
+                        f"{', '.join(known)}"
+                    )
+                )
+
+
+@contextmanager
+def wrong_call() -> Generator[None]:
+    """Make what is refused within a wrong call, which ends with status 2."""
+    from plumbline.errors import PlumblineError, printable
+
+    try:
+        yield
+    except PlumblineError as error:
+        raise click.UsageError(printable(f"{error.message}; {error.hint}")) from None
 
 
 def stacked(*options: Callable[[_F], _F]) -> Callable[[_F], _F]:
@@ -155,17 +87,24 @@ reading = stacked(
         metavar="FILE",
         help="The photograph the points were picked in; tells its size and, by EXIF, its lens.",
     ),
-    click.option("--size", type=Pair(), metavar="WxH", help="Size of the photograph in pixels."),
+    click.option(
+        "--size", type=types.Pair(), metavar="WxH", help="Size of the photograph in pixels."
+    ),
     click.option(
         "--image",
         type=click.IntRange(min=0),
         metavar="N",
         help="Take only photo number N of the project, counted from 0.",
     ),
-    click.option("--format", metavar="NAME", help=f"Format of the points: {_FORMATS}."),
+    click.option(
+        "--format",
+        type=click.Choice(_FORMATS.split(", ")),
+        metavar="NAME",
+        help=f"Format of the points: {_FORMATS}.",
+    ),
     click.option(
         "--grid",
-        type=Pair(),
+        type=types.Pair(least=2),
         metavar="ROWSxCOLS",
         help="One polyline holds a whole grid of that many rows and columns (WinMorph).",
     ),
@@ -178,7 +117,7 @@ reading = stacked(
     ),
     click.option(
         "--pixel-aspect",
-        type=Ratio(),
+        type=types.Ratio(100),
         default=1.0,
         metavar="RATIO",
         help="Width of a pixel over its height, for video frames; 1 by default.",
@@ -187,11 +126,13 @@ reading = stacked(
 """What verbs that read picked points take."""
 
 focal = stacked(
-    click.option("--focal", type=Positive(1e5), metavar="MM", help="Focal length in millimetres."),
-    click.option("--focal-px", type=Positive(), metavar="PX", help="Focal length in pixels."),
+    click.option(
+        "--focal", type=types.Positive(1e5), metavar="MM", help="Focal length in millimetres."
+    ),
+    click.option("--focal-px", type=types.Positive(), metavar="PX", help="Focal length in pixels."),
     click.option(
         "--crop-factor",
-        type=Positive(100),
+        type=types.Positive(100),
         metavar="NUMBER",
         help="Diagonal of the 35-mm frame over that of the sensor.",
     ),
@@ -199,51 +140,82 @@ focal = stacked(
 """What tells the focal length, for models that measure in it."""
 
 labelling = stacked(
-    click.option("--maker", type=Text(), metavar="TEXT", help="Maker of the lens, for LensFun."),
-    click.option("--lens-name", type=Text(), metavar="TEXT", help="Name of the lens, for LensFun."),
-    click.option("--mount", type=Text(), metavar="TEXT", help="Mount of the lens, for LensFun."),
+    click.option(
+        "--maker", type=types.Text(), metavar="TEXT", help="Maker of the lens, for LensFun."
+    ),
+    click.option(
+        "--lens-name", type=types.Text(), metavar="TEXT", help="Name of the lens, for LensFun."
+    ),
+    click.option(
+        "--mount", type=types.Text(), metavar="TEXT", help="Mount of the lens, for LensFun."
+    ),
     focal,
     click.option(
         "--aspect-ratio",
-        type=Ratio(),
+        type=types.Ratio(),
         metavar="RATIO",
         help="Aspect ratio for LensFun, as 3:2 or 1.5; that of the photo by default.",
     ),
 )
 """What is known of the lens, where EXIF and project are silent or wrong."""
 
-fitting = stacked(
-    click.option(
-        "--model",
-        default="ptlens",
-        show_default=True,
-        metavar="NAME",
-        help="Distortion model; `plumbline models` lists them, auto takes the one that `plumbline "
-        "compare` recommends.",
-    ),
+_MODEL = "Distortion model; `plumbline models` lists them"
+
+model = click.option(
+    "--model",
+    type=types.ModelName(auto=False),
+    default="ptlens",
+    show_default=True,
+    metavar="NAME",
+    help=f"{_MODEL}.",
+)
+"""The model to fit."""
+
+model_or_auto = click.option(
+    "--model",
+    type=types.ModelName(auto=True),
+    default="ptlens",
+    show_default=True,
+    metavar="NAME",
+    help=f"{_MODEL}, auto takes the one that `plumbline compare` recommends.",
+)
+"""The model to fit, where it may be chosen by a comparison."""
+
+coefficients = stacked(
     click.option(
         "--free",
-        type=Names(),
+        type=types.Names(),
         metavar="NAMES",
         help="Coefficients to fit, as a,b,c; d,e is the distortion centre.",
     ),
-    click.option("--hold", type=Names(), metavar="NAMES", help="Coefficients not to fit."),
+    click.option("--hold", type=types.Names(), metavar="NAMES", help="Coefficients not to fit."),
 )
-"""What is fitted."""
+"""What of a model is fitted."""
+
+bootstrap = click.option(
+    "--bootstrap",
+    type=click.IntRange(*_BOOTSTRAP),
+    metavar="N",
+    help="Fit N times to resampled residuals, for error bars beside the others.",
+)
 
 lens_labels = stacked(
-    click.option("--maker", type=Text(), metavar="TEXT", help="Maker of the lens, for LensFun."),
+    click.option(
+        "--maker", type=types.Text(), metavar="TEXT", help="Maker of the lens, for LensFun."
+    ),
     click.option(
         "--lens-name",
         "model",
-        type=Text(),
+        type=types.Text(),
         metavar="TEXT",
         help="Name of the lens, for LensFun.",
     ),
-    click.option("--mount", type=Text(), metavar="TEXT", help="Mount of the lens, for LensFun."),
+    click.option(
+        "--mount", type=types.Text(), metavar="TEXT", help="Mount of the lens, for LensFun."
+    ),
     click.option(
         "--crop-factor",
-        type=Positive(100),
+        type=types.Positive(100),
         metavar="NUMBER",
         help="Diagonal of the 35-mm frame over that of the sensor.",
     ),

@@ -48,7 +48,8 @@ def command(
     page = output
     if page is None and not plots:
         page = str(Path(result).with_suffix(".html"))
-    check_targets(page, plots)
+    with options.wrong_call():
+        check_targets(page, plots)
     calibrations = read_results(result)
     contents, notes = draw(
         calibrations,

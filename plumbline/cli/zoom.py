@@ -66,13 +66,18 @@ def command(
     """Read, join, print, write."""
     if method != "polynomial":
         options.refuse_useless(click.get_current_context(), f"--method {method}", ["degree"])
-    from rich.console import Console
-
     from plumbline.errors import printable
-    from plumbline.files import refuse_to_clobber, write_atomically
-    from plumbline.lenses.zoom_files import read_zoom_lens, zoom_bytes
+    from plumbline.files import refuse_to_clobber, refuse_unknown_suffix, write_atomically
+    from plumbline.lenses.zoom_files import ZOOM_SUFFIXES, read_zoom_lens, zoom_bytes
+    from plumbline.report.terminal import WideConsole
     from plumbline.report.zoom import print_zoom
+    from plumbline.report.zoom_plot import PLOT_SUFFIXES, plot_zoom
 
+    with options.wrong_call():
+        for name in output:
+            refuse_unknown_suffix(Path(name), ZOOM_SUFFIXES, "zoom lenses")
+        if plot is not None:
+            refuse_unknown_suffix(Path(plot), PLOT_SUFFIXES, "plots")
     lens = read_zoom_lens(results, method, degree, labels)
     contents: dict[Path, bytes] = {}
     notes: list[str] = []
@@ -81,13 +86,11 @@ def command(
         contents[Path(name)] = content
         notes += more
     if plot is not None:
-        from plumbline.report.zoom_plot import plot_zoom
-
         contents[Path(plot)] = plot_zoom(lens, Path(plot))
     for target in contents:
         refuse_to_clobber(target, results, overwrite=overwrite)
     write_atomically(contents)
-    print_zoom(Console(), lens)
+    print_zoom(WideConsole(), lens)
     for note in dict.fromkeys(notes):
         click.echo(f"Note: {printable(note)}.")
     for target in contents:

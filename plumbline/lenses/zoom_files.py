@@ -11,8 +11,8 @@ import numpy as np
 
 from plumbline._version import __version__
 from plumbline.calibration import Calibration, refuse_unsettled
-from plumbline.errors import OptionError, UnsupportedModelError, WriteError
-from plumbline.files import MARK, RESULT, ZOOM, read_bytes
+from plumbline.errors import OptionError, UnsupportedModelError
+from plumbline.files import MARK, RESULT, ZOOM, read_bytes, refuse_unknown_suffix
 from plumbline.formats.base import Source
 from plumbline.formats.lenses_txt import lenses_txt
 from plumbline.formats.lensfun import MODELS, Distortion, LensfunLens, lensfun_xml
@@ -25,7 +25,7 @@ from plumbline.lenses.zoom_needs import displacement_px
 from plumbline.models import CENTRE
 from plumbline.result_reading import from_json
 
-_SUFFIXES = (".json", ".xml", ".txt")
+ZOOM_SUFFIXES = (".json", ".xml", ".txt")
 _BETWEEN = 8
 
 
@@ -69,15 +69,10 @@ def zoom_bytes(lens: ZoomLens, target: Path) -> tuple[bytes, list[str]]:
         WriteError: the suffix stands for no format.
         OptionError: the format needs what is not known, or cannot hold the model.
     """
+    refuse_unknown_suffix(target, ZOOM_SUFFIXES, "zoom lenses")
     suffix = target.suffix.lower()
     if suffix == ".json":
         return zoom_text(lens).encode(), []
-    if suffix not in _SUFFIXES:
-        raise WriteError(
-            f"the suffix {suffix or '(none)'} stands for no format of zoom lenses",
-            path=target,
-            hint=f"use one of {', '.join(_SUFFIXES)}",
-        )
     model = lens.model.label
     known = MODELS if suffix == ".xml" else ("ptlens", "poly3")
     if model not in known:

@@ -15,12 +15,17 @@ _MOST = 12
 
 
 def print_checks(console: Console, checks: Sequence[Check]) -> None:
-    """Print what passed, what did not, and what to do."""
+    """Print what is good, what is doubtful, what is wrong, and what to do."""
     for check in checks:
-        mark = "[green]✓[/]" if check.passed else "[yellow]✗[/]"
-        _print(console, f"{mark} {_plain(check.finding)}")
+        _print(console, f"{_mark(check)} {_plain(check.finding)}")
         if check.remedy:
             _print(console, f"  → {_plain(check.remedy)}")
+
+
+def _mark(check: Check) -> str:
+    if check.doubtful:
+        return "[yellow]?[/]"
+    return "[green]✓[/]" if check.passed else "[red]✗[/]"
 
 
 def print_suspects(

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from plumbline.calibration import Calibration
+from plumbline.checks import Check
 from plumbline.comparison import Candidate, Comparison
 from plumbline.models import CENTRE
 from plumbline.report.comparison import coefficient_texts, figures
@@ -84,7 +85,8 @@ def straightness(made: Calibration) -> Element:
         if made.robust:
             row.append(str(int(np.count_nonzero(~kept))))
         numbers = (line.rms_before_px, line.rms_after_px, line.largest_after_px)
-        rows.append([*row, *(f"{number:.2f}" for number in numbers)])
+        shown = ["left out", "", ""] if line.left_out else [f"{number:.2f}" for number in numbers]
+        rows.append([*row, *shown])
     return table(head, rows, text=range(1 + several))
 
 
@@ -120,10 +122,16 @@ def checks(made: Calibration) -> Element:
     """Whether lines are well placed and the result is to be trusted, and the remedies."""
     rows: list[list[Node]] = []
     for check in made.checks:
-        verdict = "ok" if check.passed else tag("span", "look", class_="bad")
+        verdict = _verdict(check)
         remedy = tag("div", f"→ {check.remedy}", class_="bad") if check.remedy else None
         rows.append([check.name, verdict, tag("div", check.finding, remedy)])
     return table(("check", "", "finding and remedy"), rows, text=(0, 1, 2))
+
+
+def _verdict(check: Check) -> Node:
+    if check.passed and not check.doubtful:
+        return "✓ good"
+    return tag("span", "? doubtful" if check.passed else "✗ bad", class_="bad")
 
 
 def comparison(compared: Comparison) -> Iterator[Element]:
@@ -171,11 +179,10 @@ def quote(made: Calibration) -> Iterator[str]:
         return
     left = made.jackknife
     dof = left.dof if made.quotes_jackknife and left is not None else made.dof
-    x, y = sure.worst_at
     interval = px(quantile(0.975, dof) * sure.worst_px)
     yield (
-        f"Error to quote: the correction is uncertain by {px(sure.worst_px)} at ({x:.0f}, "
-        f"{y:.0f}), where it is worst (one standard error; 95 %: ± {interval})."
+        f"Error to quote: the correction is uncertain by {px(sure.worst_px)} {sure.worst_place}, "
+        f"where it is worst (one standard error; 95 %: ± {interval})."
     )
     wide = made.jackknife_displacement
     if made.quotes_jackknife:

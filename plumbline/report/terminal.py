@@ -13,6 +13,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from plumbline.calibration import Calibration
+from plumbline.checks import worth_of_error_bars
 from plumbline.errors import printable
 from plumbline.models import CENTRE
 from plumbline.observations import Observations
@@ -97,10 +98,11 @@ def finding_sentence(made: Calibration) -> str:
     if finding.folds_at_px is not None:
         place = f"{finding.folds_at_px:.0f} px from the centre, where the polynomial folds"
     size = f": {finding.percent:+.2f} % ({finding.corner_px:+.1f} px) {place}"
+    doubt = worth_of_error_bars(made.dof)
     return (
         f"{_KINDS[finding.kind]}{'' if finding.kind == 'none' else size}; "
         f"lines are straight to {made.rms_before_px:.2f} px before, "
-        f"{made.rms_after_px:.2f} px after"
+        f"{made.rms_after_px:.2f} px after{f'; {doubt}' if doubt else ''}"
     )
 
 
@@ -141,7 +143,8 @@ def lines_table(made: Calibration, *, everything: bool = False) -> Table:
     shown = list(lines)
     title = None
     if len(lines) > _MOST_LINES and not everything:
-        shown = sorted(lines, key=lambda line: -line.largest_after_px)[:_MOST_LINES]
+        shown = sorted(lines, key=lambda line: (line.left_out, -line.largest_after_px))
+        shown = shown[:_MOST_LINES]
         title = f"the {_MOST_LINES} of {len(lines)} lines with the largest residuals (-v lists all)"
     table = Table(box=box.SIMPLE, pad_edge=False, title=title, title_justify="left")
     several = len(made.observations.photos) > 1
@@ -155,6 +158,9 @@ def lines_table(made: Calibration, *, everything: bool = False) -> Table:
         names = [_plain(line.label)]
         if several:
             names.append(_plain(photo.source or photo.name or str(photo.number)))
+        if line.left_out:
+            table.add_row(*names, str(line.n_points), "left out")
+            continue
         numbers = (line.rms_before_px, line.rms_after_px, line.largest_after_px)
         table.add_row(*names, str(line.n_points), *(f"{number:.2f} px" for number in numbers))
     return table
@@ -182,17 +188,34 @@ def _bootstrap_sentences(made: Calibration) -> list[str]:
         f"{name} ± {error:.6f}"
         for name, error in zip(made.free, np.sqrt(np.diag(again.covariance)), strict=True)
     )
-    worst = "" if wide is None else f"; the correction is uncertain by {px(wide.worst_px)}"
-    failed = f", {again.failed:,} more found no minimum" if again.failed else ""
-    return [f"bootstrap of {again.fits:,} fits: {errors}{worst}{failed}"]
+    failed = f" ({again.failed:,} more found no minimum)" if again.failed else ""
+    out = [f"bootstrap of {again.fits:,} fits: {errors}{failed}"]
+    sure, quoted = made.displacement, made.quoted_displacement
+    if wide is not None and sure is not None and quoted is not None:
+        out.append(
+            f"bootstrap: the correction is uncertain by {px(wide.worst_px)}; that checks the "
+            f"{px(sure.worst_px)} of independent picking errors, and {px(quoted.worst_px)} stays "
+            "the error to quote"
+        )
+    return out
+
+
+def _fitted(made: Calibration) -> str:
+    """What was fitted: "140 points on 14 lines", "98 of 126 points on 12 of 14 lines"."""
+    counts = [
+        (sum(line.n_points for line in made.lines), made.observations.n_points, "point"),
+        (sum(not line.left_out for line in made.lines), len(made.lines), "line"),
+    ]
+    points, lines = (
+        ("" if used == every else f"{used:,} of ") + count(every, noun)
+        for used, every, noun in counts
+    )
+    return f"{points} on {lines}"
 
 
 def _fit_sentences(made: Calibration) -> str:
-    n_points, n_lines = made.observations.n_points, len(made.observations.lines)
-    freedom = "1 degree" if made.dof == 1 else f"{made.dof} degrees"
     out = [
-        f"{count(n_points, 'point')} on {count(n_lines, 'line')}; σ̂ {made.sigma_px:.3f} px with "
-        f"{freedom} of freedom",
+        f"{_fitted(made)}; σ̂ {made.sigma_px:.3f} px with {count(made.dof, 'degree')} of freedom",
         f"rms {made.rms_before_px:.4f} px before, {made.rms_after_px:.4f} px after "
         f"({made.rms_corrected_px:.4f} px in the corrected photo)",
         f"largest residual {made.largest_before_px:.2f} px before, {made.largest_after_px:.2f} px "

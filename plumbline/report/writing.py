@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from plumbline.calibration import Calibration, refuse_unsettled
 from plumbline.errors import WriteError
-from plumbline.files import refuse_to_clobber
+from plumbline.files import refuse_to_clobber, refuse_unknown_suffix
 from plumbline.report.photos import Found, find_photos
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ def check_targets(report: str | None, plots: Sequence[str]) -> None:
         WriteError: a suffix stands for nothing, or a name for no figure.
     """
     if report is not None:
-        _refuse_suffix(Path(report), _PAGES, "reports")
+        refuse_unknown_suffix(Path(report), _PAGES, "reports")
     for name in plots:
         figure_name(Path(name))
 
@@ -39,7 +39,7 @@ def figure_name(target: Path) -> str:
     """
     from plumbline.report.figures import FIGURES
 
-    _refuse_suffix(target, _FIGURES, "figures")
+    refuse_unknown_suffix(target, _FIGURES, "figures")
     name = target.stem.rpartition(".")[2]
     if name not in FIGURES:
         raise WriteError(
@@ -48,16 +48,6 @@ def figure_name(target: Path) -> str:
             hint=f"use one of {', '.join(FIGURES)}, as in curve.svg or building.curve.svg",
         )
     return name
-
-
-def _refuse_suffix(target: Path, known: Sequence[str], what: str) -> None:
-    suffix = target.suffix.lower()
-    if suffix not in known:
-        raise WriteError(
-            f"{what} are not written as {suffix or 'files without a suffix'}",
-            path=target,
-            hint=f"use one of {', '.join(known)}",
-        )
 
 
 def _targets(

@@ -8,14 +8,13 @@ from pathlib import Path
 import numpy as np
 
 from plumbline._version import __version__
-from plumbline.errors import WriteError
-from plumbline.files import MARK
+from plumbline.files import MARK, refuse_unknown_suffix
 from plumbline.frame import Frame
 from plumbline.lenses.zoom import ZoomLens
 from plumbline.lenses.zoom_needs import needs
 from plumbline.models import CENTRE
 
-_SUFFIXES = (".png", ".svg")
+PLOT_SUFFIXES = (".png", ".svg")
 
 
 def plot_zoom(lens: ZoomLens, target: Path) -> bytes:
@@ -28,13 +27,8 @@ def plot_zoom(lens: ZoomLens, target: Path) -> bytes:
     Raises:
         WriteError: it is neither.
     """
+    refuse_unknown_suffix(target, PLOT_SUFFIXES, "plots")
     suffix = target.suffix.lower()
-    if suffix not in _SUFFIXES:
-        raise WriteError(
-            f"plots are not written as {suffix or 'files without a suffix'}",
-            path=target,
-            hint=f"use one of {', '.join(_SUFFIXES)}",
-        )
     from matplotlib.figure import Figure
 
     shown = [name for name in lens.names if name in lens.free] or list(lens.model.coefficients)

@@ -92,10 +92,6 @@ def test_files_of_ours_are_replaced_and_others_kept(run: Run, result: str) -> No
         (("building.pto",), "a report needs residuals and error bars", "plumbline fit POINTS -o"),
         (("facade.jpg",), "a report needs residuals and error bars", "plumbline fit POINTS -o"),
         (("missing.json",), "there is no such file", "check the name"),
-        (("building.json", "--plot", "bend.svg"), "no figure 'bend'", "photo, lines, curve"),
-        (("building.json", "--plot", "curve.pdf"), "not written as .pdf", ".png, .svg"),
-        (("building.json", "--plot", "curve"), "files without a suffix", ".png, .svg"),
-        (("building.json", "-o", "report.pdf"), "not written as .pdf", ".html"),
         (("building.json", "--photo", "no.jpg"), "there is no such photo", "give a JPEG"),
         (("building.json", "--photo", "building.pto"), "no picture that can be read", "JPEG"),
         (("building.json", "-o", "no/r.html"), "the folder does not exist", "make it first"),
@@ -135,11 +131,23 @@ def test_a_lens_that_is_not_that_of_its_picks(run: Run, result: str, damage: obj
     assert "fit again" in done.err
 
 
-def test_a_wrong_name_is_said_before_the_fit(run: Run) -> None:
-    for words in (("--plot", "bend.svg"), ("--report", "report.pdf")):
-        done = run("fit", "building.pto", *words)
-        assert done.status == 1
-        assert not files()
+@pytest.mark.parametrize(
+    ("words", "sentence", "remedy"),
+    [
+        (("--plot", "bend.svg"), "no figure 'bend'", "photo, lines, curve"),
+        (("--plot", "curve.pdf"), "not written as .pdf", ".png, .svg"),
+        (("--plot", "curve"), "files without a suffix", ".png, .svg"),
+        (("--report", "report.pdf"), "not written as .pdf", ".html"),
+    ],
+)
+def test_a_wrong_name_is_a_wrong_call_and_said_before_the_fit(
+    run: Run, words: tuple[str, ...], sentence: str, remedy: str
+) -> None:
+    done = run("fit", "building.pto", *words)
+    assert done.status == 2
+    assert sentence in done.err
+    assert remedy in done.err
+    assert not files()
 
 
 def test_a_file_that_may_not_be_written_stops_all_of_them(run: Run) -> None:

@@ -217,7 +217,7 @@ def test_lenses_txt() -> None:
 
 
 def test_files_that_cannot_be_made() -> None:
-    with pytest.raises(WriteError, match="stands for no format"):
+    with pytest.raises(WriteError, match="zoom lenses are not written as"):
         zoom_bytes(coolpix(), Path("zoom.doc"))
     division = join(named(calibration("division", l1=-0.02)))
     with pytest.raises(UnsupportedModelError, match="does not know the model division"):

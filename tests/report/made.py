@@ -46,6 +46,16 @@ def grid(n: int = 12, noise_px: float = 0.1) -> list[Array]:
 
 
 @cache
+def without_a_line() -> Calibration:
+    """A robust fit of 108 picks on 12 lines: one line is rubbish, and one pick of another."""
+    lines = grid()
+    lines[4] = np.random.default_rng(8).uniform((20, 20), (WIDTH - 20, HEIGHT - 20), (9, 2))
+    lines[7][3] += (15.0, 0.0)
+    observations = plumbline.Observations.from_arrays(lines, size=(WIDTH, HEIGHT))
+    return plumbline.calibrate(observations, free=("b",), robust=True)
+
+
+@cache
 def hostile(*, robust: bool = False) -> Calibration:
     """Picks of which three are wrong, with names that would like to be code."""
     lines = grid()

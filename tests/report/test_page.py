@@ -22,7 +22,7 @@ from plumbline.report.figures import FIGURES
 from plumbline.report.markup import document, table, tag
 from plumbline.report.page import Part, page_bytes
 from plumbline.report.photos import find_photos
-from tests.report.made import BUILDING, SCRIPT, building, hostile
+from tests.report.made import BUILDING, SCRIPT, building, hostile, without_a_line
 
 ROOT = Path(__file__).parents[2]
 
@@ -175,11 +175,20 @@ def test_checks_come_with_their_remedies() -> None:
     made = building()
     bad = Check("radius", False, "the picks end early", f"pick more {SCRIPT}")
     good = Check("points", True, "enough of them")
+    doubtful = Check("corners", True, "two are bare", doubtful=True)
     made = replace(made)
-    made.__dict__["checks"] = (good, bad)
+    made.__dict__["checks"] = (good, doubtful, bad)
     listed = rows(parsed(page(made)), "Checks")
-    assert listed[1] == ["points", "ok", "enough of them"]
-    assert listed[2] == ["radius", "look", f"the picks end early→ pick more {SCRIPT}"]
+    assert listed[1] == ["points", "✓ good", "enough of them"]
+    assert listed[2] == ["corners", "? doubtful", "two are bare"]
+    assert listed[3] == ["radius", "✗ bad", f"the picks end early→ pick more {SCRIPT}"]
+
+
+def test_a_line_left_out_as_a_whole_has_no_straightness() -> None:
+    lines = rows(parsed(page(without_a_line())), "Straightness of the lines")
+    assert lines[5] == ["5", "0", "9", "left out", "", ""]
+    assert lines[8][:3] == ["8", "8", "1"]
+    assert float(lines[8][4]) < 0.5
 
 
 def test_the_models_are_compared() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from io import StringIO
 
 import numpy as np
@@ -13,7 +14,9 @@ from plumbline.frame import Frame
 from plumbline.lens import Lens
 from plumbline.models import get_model
 from plumbline.observations import Line, Observations, Photo
-from plumbline.report.terminal import coefficients_table
+from plumbline.report.terminal import coefficients_table, finding_sentence, print_summary
+from plumbline.resampling import Bootstrap
+from tests.report.made import building, without_a_line
 
 
 def made(values: dict[str, float], errors: dict[str, float]) -> Calibration:
@@ -57,6 +60,48 @@ def test_coefficients_show_two_digits_of_their_error(
     value: float, error: float, printed: str
 ) -> None:
     assert " ".join(shown({"a": value}, {"a": error})["a"]).startswith(printed)
+
+
+def summary(made: Calibration) -> list[str]:
+    """The lines of the summary."""
+    out = StringIO()
+    print_summary(Console(file=out, width=100), [made], [])
+    return [line.strip() for line in out.getvalue().splitlines()]
+
+
+def test_what_was_left_out_is_not_counted_as_fitted() -> None:
+    lines = summary(without_a_line())
+    (counted,) = [line for line in lines if "σ̂" in line]
+    assert counted.startswith("98 of 108 points on 11 of 12 lines; σ̂ 0.")
+    assert counted.endswith(" px with 75 degrees of freedom")  # 98 − 2 · 11 − 1
+    assert ["5", "0", "left", "out"] in [line.split() for line in lines]
+    (kept,) = [line for line in lines if line.startswith("8  ")]
+    assert kept.split()[1] == "8"
+    plain = summary(building())
+    assert any(line.startswith("140 points on 14 lines; σ̂") for line in plain)
+
+
+def test_a_bootstrap_stands_beside_the_error_to_quote() -> None:
+    fitted = building()
+    sure, quoted = fitted.displacement, fitted.quoted_displacement
+    assert sure is not None
+    assert quoted is not None
+    again = Bootstrap(90, 10, 4 * fitted.covariance, np.zeros((3, 2)))
+    lines = summary(replace(fitted, bootstrap=again))
+    (first, second) = [line for line in lines if line.startswith("bootstrap")]
+    assert first.startswith("bootstrap of 90 fits: a ± 0.0033")
+    assert first.endswith("(10 more found no minimum)")
+    assert second == (
+        f"bootstrap: the correction is uncertain by {2 * sure.worst_px:#.2g} px; that checks the "
+        f"{sure.worst_px:#.2g} px of independent picking errors, and {quoted.worst_px:#.2g} px "
+        "stays the error to quote"
+    )
+
+
+def test_the_finding_of_next_to_no_degrees_of_freedom_carries_a_doubt() -> None:
+    told = finding_sentence(made({"b": -0.03}, {"b": 0.001}))
+    assert told.endswith("; error bars from 1 degree of freedom are nearly worthless")
+    assert "error bars" not in finding_sentence(building())
 
 
 def test_the_centre_shows_two_digits_of_its_error() -> None:
