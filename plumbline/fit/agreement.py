@@ -157,7 +157,8 @@ def agree(
         drawn = _draw(points, weight, agreeing)
         credited = np.einsum("lpn,ln->lp", agreeing, worths[rows])
         gain = _gain(drawn, credited, worth, sigma_px)
-        nothing = _gain_of_nothing(points, weight)[:, None]
+        nothing = _gain_of_nothing(points, weight) - np.sum(worth - worths[rows], axis=-1)
+        nothing = nothing[:, None]
         highest = np.maximum(np.max(gain, axis=-1, keepdims=True), nothing)
         belief = np.exp(gain - highest) * _first_of_its_kind(agreeing)
         belief /= np.sum(belief, axis=-1, keepdims=True) + np.exp(nothing - highest)

@@ -18,7 +18,8 @@ def excuses(
 ) -> Array:
     """Logarithms of how much likelier wrong picks are where they are than anywhere, shape (n,).
 
-    Only picks of lines that leave some of theirs out are in question.
+    Only picks of lines that leave some of theirs out are in question, and lines with no fewer
+    believed picks than their own.
 
     Args:
         picks: The picks of one problem.
@@ -33,6 +34,7 @@ def excuses(
     nearest_px = np.full(len(which), np.inf)
     for other in np.flatnonzero(agreed.lines.count >= LEAST).tolist():
         rival = (picks.line[which] != other) & (photos[picks.line[which]] == photos[other])
+        rival &= agreed.lines.count[other] >= agreed.lines.count[picks.line[which]]
         rival &= within(agreed.lines, picks.ideal.uv[which], other)
         away = distance_from(picks, which[rival], agreed.lines, other)
         nearest_px[rival] = np.minimum(nearest_px[rival], away)

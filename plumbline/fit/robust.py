@@ -35,6 +35,8 @@ _MASKED, _MANY, _WILD = 0.8, 0.02, 1 / 300
 """Bad picks may be hiding each other where they are more than the second share and leave to the
 others less than the first share of the plain fit's σ̂, or where that exceeds the third share of R.
 """
+_SHARES = 1.0, 0.7, 0.5
+"""Of σ̂, which wrong picks among the believed ones make too large."""
 _WRONG = 0.1
 """Width of the band that wrong picks fall into, as a share of R."""
 
@@ -157,10 +159,12 @@ def _settled(
 def _at(problem: Problem, solution: Solution) -> Robust:
     """What the picks agree on under a fit; those on other lines may be theirs."""
     picks = picks_at([problem], [solution])
-    sigma_px, wrong_px = max(_sigma_px(problem, solution), FINEST_PX), _wrong_px(problem)
-    far = reach(problem.dof, len(problem.kept))
+    wrong_px, far = _wrong_px(problem), reach(problem.dof, len(problem.kept))
     photos = np.array([line.photo for line in problem.observations.lines])
-    agreed = agree(picks, sigma_px, wrong_px, far)
+    sigmas = [max(share * _sigma_px(problem, solution), FINEST_PX) for share in _SHARES]
+    every = [agree(picks, sigma_px, wrong_px, far) for sigma_px in sigmas]
+    likeliest = int(np.argmax([each.evidence for each in every]))
+    agreed, sigma_px = every[likeliest], sigmas[likeliest]
     if not agreed.kept.all():
         excuse = excuses(picks, agreed, photos, sigma_px, wrong_px)
         agreed = agree(picks, sigma_px, wrong_px, far, excuse)

@@ -24,7 +24,8 @@ from plumbline.straightness import line_numbers
 _STEPS = np.array((0.03, 0.0375))
 _COARSEST, _FINEST_PX = 0.008, 0.6
 """σ to begin with as a share of R, and the one to end below."""
-_BEST, _STARTS = 12, 3
+_BEST, _STARTS = 24, 6
+_APART, _STARTS_APART = 2.0, 8.0
 _MOST_PICKS, _MOST_OF_LINE = 240, 16
 _CHUNK = 1 << 21
 _AROUND = np.array([(i, j) for i in (-1, 0, 1) for j in (-2, -1, 0, 1, 2)])
@@ -71,18 +72,33 @@ def beginnings(problem: Problem, wrong_px: float) -> list[Begun]:
     groups = list(alike(telling.sizes))
     sigma_px, steps = _COARSEST * problem.blank.frame.radius_px, _STEPS
     bends = _whole_range()
-    found: list[tuple[float, float, tuple[float, float]]] = []
+    one_px = 1 / (every.far * every.unit_px)
+    found: list[tuple[Array, Array, Array]] = []
     while True:
         likely = _evidence(telling, groups, bends, sigma_px, wrong_px)
-        best = np.argsort(-likely, kind="stable")[:_BEST]
-        found += [(float(likely[n]), sigma_px, (bends[n, 0], bends[n, 1])) for n in best.tolist()]
+        best = _unlike(bends, likely, _APART * sigma_px * one_px, _BEST)
+        found.append((bends[best], likely[best], np.full(len(best), sigma_px)))
         if sigma_px < _FINEST_PX:
             break
         sigma_px, steps = sigma_px / 2, steps / 2
         around = (bends[best][:, None] + _AROUND * steps).reshape(-1, 2)
         bends = _possible(np.unique(np.round(around, 9), axis=0))
-    found.sort(reverse=True)
-    return [Begun(_bent(every, bend), sigma_px) for _, sigma_px, bend in found[:_STARTS]]
+    bends, likely, sigmas_px = (np.concatenate(each) for each in zip(*found, strict=True))
+    starts = _unlike(bends, likely, _STARTS_APART * sigma_px * one_px, _STARTS)
+    return [Begun(_bent(every, bends[n]), float(sigmas_px[n])) for n in starts]
+
+
+def _unlike(bends: Array, likely: Array, apart: float, most: int) -> list[int]:
+    """The likeliest lenses that differ from each other, whatever their scale, by so much."""
+    r = np.linspace(0.1, 1.0, 10)
+    curves = r / (1 + bends[:, :1] * r**2 + bends[:, 1:] * r**4)
+    curves *= (r @ r) / (curves @ r)[:, None]
+    chosen: list[int] = []
+    rest = np.argsort(-likely, kind="stable")
+    while len(rest) and len(chosen) < most:
+        chosen.append(int(rest[0]))
+        rest = rest[np.max(np.abs(curves[rest] - curves[rest[0]]), axis=1) > apart]
+    return chosen
 
 
 def _seen(problem: Problem) -> _Seen:
@@ -140,7 +156,7 @@ def _evidence(
     return np.concatenate(likely)
 
 
-def _bent(seen: _Seen, bend: tuple[float, float]) -> Picks:
+def _bent(seen: _Seen, bend: Array) -> Picks:
     """The picks under a lens of the division model."""
     c = bend[0] / seen.far**2, bend[1] / seen.far**4
     r2 = np.sum(seen.observed**2, axis=1)
