@@ -34,10 +34,37 @@ def excuses(
     nearest_px = np.full(len(which), np.inf)
     for other in np.flatnonzero(agreed.lines.count >= LEAST).tolist():
         rival = (picks.line[which] != other) & (photos[picks.line[which]] == photos[other])
-        rival &= agreed.lines.count[other] >= agreed.lines.count[picks.line[which]]
+        rival &= agreed.lines.count[other] > agreed.lines.count[picks.line[which]]
         rival &= within(agreed.lines, picks.ideal.uv[which], other)
         away = distance_from(picks, which[rival], agreed.lines, other)
         nearest_px[rival] = np.minimum(nearest_px[rival], away)
     dense = np.exp(-((nearest_px / sigma_px) ** 2) / 2) / (np.sqrt(2 * np.pi) * sigma_px)
     told[which] = np.log1p(_OFTEN * wrong_px * dense)
     return told
+
+
+def contested(
+    picks: Picks, agreed: Agreed, photos: NDArray[np.int64], far_px: float
+) -> NDArray[np.bool_]:
+    """Lines whose believed picks all lie on another one with as many, and that line, shape (l,).
+
+    Which of the two they were meant for nobody can tell.
+
+    Args:
+        picks: The picks of one problem.
+        agreed: What they agree on.
+        photos: Photo of each line, shape (l,).
+        far_px: How far from a line a pick may lie.
+    """
+    both = np.zeros(len(photos), dtype=np.bool_)
+    split = np.bincount(picks.line, ~agreed.kept, len(photos)) > 0
+    counts = agreed.lines.count
+    for line in np.flatnonzero(split & (counts >= LEAST)).tolist():
+        mine = np.flatnonzero(agreed.kept & (picks.line == line))
+        others = (counts >= counts[line]) & (photos == photos[line])
+        others[line] = False
+        for other in np.flatnonzero(others).tolist():
+            near = within(agreed.lines, picks.ideal.uv[mine], other)
+            if np.all(near & (distance_from(picks, mine, agreed.lines, other) < far_px)):
+                both[[line, other]] = True
+    return both

@@ -13,7 +13,7 @@ lens is allowed for.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +23,7 @@ from plumbline.fit.agreement import LEAST, Agreed, agree
 from plumbline.fit.oddities import bends, twins
 from plumbline.fit.outcome import lens_of
 from plumbline.fit.problem import Problem
-from plumbline.fit.rivals import excuses
+from plumbline.fit.rivals import contested, excuses
 from plumbline.fit.screening import FINEST_PX, Picks, Screened, picks_at, reach, screen
 from plumbline.fit.search import beginnings
 from plumbline.fit.solve import solve
@@ -168,6 +168,8 @@ def _at(problem: Problem, solution: Solution) -> Robust:
     if not agreed.kept.all():
         excuse = excuses(picks, agreed, photos, sigma_px, wrong_px)
         agreed = agree(picks, sigma_px, wrong_px, far, excuse)
+        unclear = contested(picks, agreed, photos, far * sigma_px)[picks.line]
+        agreed = replace(agreed, wrong=agreed.wrong & ~unclear)
     return Robust(problem, solution, picks, agreed)
 
 
