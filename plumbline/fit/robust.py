@@ -191,8 +191,10 @@ def _by_leverage(found: Robust) -> NDArray[np.bool_]:
     square = float(np.sum(linear.residual_px[linear.kept] ** 2))
     sigma_px = max(float(np.sqrt(square / believed.dof)), FINEST_PX)
     near = np.abs(linear.studentised(sigma_px)) < reach(believed.dof, len(linear.line))
-    line, n_lines = linear.line, linear.n_lines
-    near &= (found.agreed.lines.count >= LEAST)[line] & ~found.agreed.wrong
+    line, n_lines, agreed = linear.line, linear.n_lines, found.agreed
+    known = np.bincount(line, believed.kept & agreed.kept, n_lines) > 0
+    near = np.where(known[line], near & (agreed.lines.count >= LEAST)[line], agreed.kept)
+    near &= ~agreed.wrong
     return near & (np.bincount(line, near, n_lines) >= LEAST)[line]
 
 
