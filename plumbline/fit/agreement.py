@@ -29,8 +29,8 @@ _WRONG = 0.25
 """Share of wrong picks that is reckoned with."""
 _PAIRS = 28
 _SETTLING = 4
-_SURE = 2 / 3
-"""Belief with which a pick is called right or wrong: twice as likely as not."""
+_RIGHT, _WRONGED = 2 / 3, 1 / 2
+"""Belief beyond which a pick is called right, and wrong."""
 _NO_LINE = 0.05
 """Share of lines that is reckoned with whose picks agree on nothing, or by chance."""
 
@@ -42,7 +42,7 @@ class Agreed:
     Attributes:
         kept: Which picks are believed, shape (n,): twice as likely right as wrong, on a line with
             three of them at least.
-        wrong: Which are twice as likely wrong as not, shape (n,); neither kept nor wrong are those
+        wrong: Which are likelier wrong than not, shape (n,); neither kept nor wrong are those
             of which nobody can tell.
         lines: The lines through the believed picks, or through those that agree best.
         distance_px: Signed distance of every pick from its line in the photograph, shape (n,).
@@ -167,13 +167,13 @@ def agree(
         best[rows] = agreeing[np.arange(len(rows)), np.argmax(gain, axis=-1)]
         total += float(np.sum(highest))
     total += float(np.sum(np.broadcast_to(excuse, (n,))))
-    kept = right > _SURE
+    kept = right > _RIGHT
     kept &= (np.bincount(picks.line, kept, len(picks.sizes)) >= LEAST)[picks.line]
     counts = np.bincount(picks.line, kept, len(picks.sizes))
     through = np.where((counts > 0)[picks.line], kept, best)
     lines = fit_lines(picks.ideal.uv, picks.sizes, through.astype(np.float64))
     lines = Lines(lines.centre, lines.along, counts.astype(np.float64), lines.spread)
-    return Agreed(kept, wrong > _SURE, lines, distances(picks, lines), total)
+    return Agreed(kept, wrong > _WRONGED, lines, distances(picks, lines), total)
 
 
 def _centred(uv: Array, scale: Array) -> tuple[Array, Array]:
