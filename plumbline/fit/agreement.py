@@ -1,12 +1,12 @@
 """Which picks of a line agree with each other on a straight line, and how surely.
 
 A line's picks are a mixture: good ones scatter about it by σ, which is one for the whole photo,
-wrong ones lie anywhere (I. Jolliffe's and others' mixture; P. Torr and A. Zisserman, "MLESAC",
-2000, for the search by pairs). Every pair of few picks, or some pairs of many, proposes the picks
-near the line through both to have been meant. What speaks for a proposal is its likelihood with
-the line's place and direction integrated out (Laplace's approximation), so that three of five
-picks on a line count for little where chance would do it as well, and proposals that exclude each
-other share the belief. Summed over the lines, the best proposals tell how likely a lens is.
+wrong ones lie anywhere (P. Torr and A. Zisserman, "MLESAC: a new robust estimator", 2000). Every
+pair of few picks, or some pairs of many, proposes the picks near the line through both to have been
+meant. What speaks for a proposal is its likelihood with the line's place and direction integrated
+out (Laplace's approximation), so that three of five picks on a line count for little where chance
+would do it as well, and proposals that exclude each other share the belief. Summed over the lines,
+the best proposals tell how likely a lens is.
 """
 
 from __future__ import annotations
