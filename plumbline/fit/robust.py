@@ -3,48 +3,42 @@
 Bad picks hide each other: a plain fit bends towards them, and its residuals name a few of them
 and some good ones. The robust fit therefore begins robustly. Where the plain fit's lens leaves
 all picks on straight lines (`plumbline.fit.screening`), it is its own robust fit. Else the best of
-many lenses (`plumbline.fit.search`) and the plain one decide which picks are believed first; the
+many lenses (`plumbline.fit.search`) and the plain one tell which picks may be believed first; the
 model is fitted to these, and lens and picks are decided in turn until nothing changes (re-weighting
 with weights 0 and 1; P. Rousseeuw and A. Leroy, "Robust Regression and Outlier Detection", 1987).
-Of the fits that are reached the likeliest is taken.
+Of the fits that are reached the likeliest is taken. Last, what each pick does to line and
+lens is allowed for.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from math import comb
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from plumbline.errors import DegenerateLinesError
+from plumbline.fit.agreement import LEAST, Agreed, agree
 from plumbline.fit.oddities import bends, twins
 from plumbline.fit.outcome import lens_of
 from plumbline.fit.problem import Problem
-from plumbline.fit.screening import (
-    FINEST_PX,
-    Picks,
-    Screened,
-    distance_from,
-    picks_at,
-    reach,
-    screen,
-    within,
-)
-from plumbline.fit.search import beliefs
+from plumbline.fit.rivals import contested, excuses
+from plumbline.fit.screening import FINEST_PX, Picks, Screened, picks_at, reach, screen
+from plumbline.fit.search import beginnings
 from plumbline.fit.solve import solve
 from plumbline.fit.task import Solution
 from plumbline.linearised import in_frame, linearise
 
 _MOST_ROUNDS = 12
-_SAME, _ROUGHLY = 5.0, 50.0
-_LEAST = 3
-_CHANCE = 0.05
 _MASKED, _MANY, _WILD = 0.8, 0.02, 1 / 300
 """Bad picks may be hiding each other where they are more than the second share and leave to the
 others less than the first share of the plain fit's σ̂, or where that exceeds the third share of R.
 """
+_SHARES = 1.0, 0.7, 0.5
+"""Of σ̂, which wrong picks among the believed ones make too large."""
+_WRONG = 0.1
+"""Width of the band that wrong picks fall into, as a share of R."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,13 +49,13 @@ class Robust:
         problem: The problem, fitted to the picks that are believed.
         solution: What the solver found.
         picks: All picks under it.
-        screened: Where they lie.
+        agreed: What they agree on.
     """
 
     problem: Problem
     solution: Solution
     picks: Picks
-    screened: Screened
+    agreed: Agreed
 
 
 def robust_fits(
@@ -83,17 +77,15 @@ def robust_fits(
     odd = _odd(picks, screened)
     made: list[Robust | DegenerateLinesError | None] = []
     for index, (problem, solution) in enumerate(zip(problems, solutions, strict=True)):
-        plain_px = float(np.sqrt(np.sum(solution.residual**2) / problem.dof))
+        plain_px = _sigma_px(problem, solution)
         wild = not plain_px < _WILD * problem.blank.frame.radius_px
         if spoiled[index] or wild:
             kept = screened.kept[picks.problem == index]
             many = np.count_nonzero(kept) < (1 - _MANY) * len(kept)
             masked = wild or (many and not screened.sigma_px[index] > _MASKED * plain_px)
-            first = beliefs(problem, solution) if masked else [kept]
-            made.append(_best([_fit(problem, belief) for belief in first]))
+            made.append(_best(problem, _beliefs(problem, solution) if masked else [kept]))
         elif odd[index]:
-            alone = picks_at([problem], [solution])
-            made.append(Robust(problem, solution, alone, screen(alone)))
+            made.append(_at(problem, solution))
         else:
             made.append(None)
     return made
@@ -111,98 +103,104 @@ def _odd(picks: Picks, screened: Screened) -> NDArray[np.bool_]:
     return odd
 
 
+def _beliefs(problem: Problem, plain: Solution) -> list[NDArray[np.bool_]]:
+    """Which picks agree under the best of many lenses, and under the plain one."""
+    wrong_px = _wrong_px(problem)
+    begun = beginnings(problem, wrong_px)
+    lenses = [(each.picks, each.sigma_px) for each in begun]
+    if not int(plain.folded):
+        lenses.append((picks_at([problem], [plain]), begun[0].sigma_px))
+    far = reach(problem.dof, len(problem.kept))
+    return [agree(picks, sigma_px, wrong_px, far).kept for picks, sigma_px in lenses]
+
+
 def _best(
-    found: Sequence[Robust | DegenerateLinesError | None],
+    problem: Problem, beliefs: Sequence[NDArray[np.bool_]]
 ) -> Robust | DegenerateLinesError | None:
-    """The likeliest fit: good picks scatter by σ, wrong ones anywhere within a tenth of R."""
-
-    def unlikely(each: Robust) -> float:
-        kept = int(np.count_nonzero(each.problem.kept))
-        square = float(np.sum(np.where(each.problem.kept, each.screened.distance_px, 0.0) ** 2))
-        sigma_px = max(float(np.sqrt(square / each.problem.dof)), FINEST_PX)
-        wrong_px = each.problem.blank.frame.radius_px / 10
-        return each.problem.dof * np.log(sigma_px) + (len(each.problem.kept) - kept) * np.log(
-            wrong_px
-        )
-
-    fits = [each for each in found if isinstance(each, Robust)]
-    return min(fits, key=unlikely) if fits else found[0]
-
-
-def _fit(problem: Problem, kept: NDArray[np.bool_]) -> Robust | DegenerateLinesError | None:
-    """Decide lens and picks in turn, from a first belief."""
+    """The likeliest fit that is reached from first beliefs, the leverage of picks allowed for."""
     seen: list[NDArray[np.bool_]] = []
-    found: Robust | None = None
-    by_leverage = False
-    while len(seen) < _MOST_ROUNDS and not any(np.array_equal(kept, other) for other in seen):
+    found = [_settled(problem, kept, seen, _agreeing) for kept in beliefs]
+    fits = [each for each in found if isinstance(each, Robust)]
+    if not fits:
+        return next((each for each in found if each), None)
+    best = max(fits, key=lambda each: each.agreed.evidence)
+    better = _settled(problem, _by_leverage(best), [best.problem.kept], _by_leverage)
+    return better if isinstance(better, Robust) else best
+
+
+def _settled(
+    problem: Problem,
+    kept: NDArray[np.bool_],
+    seen: list[NDArray[np.bool_]],
+    rule: Callable[[Robust], NDArray[np.bool_]],
+) -> Robust | DegenerateLinesError | None:
+    """Decide lens and picks in turn, until the picks are those of a round before.
+
+    Args:
+        problem: The problem.
+        kept: The picks believed first.
+        seen: Beliefs that need not be tried again; those tried are added.
+        rule: Which picks to believe next.
+    """
+    found: Robust | DegenerateLinesError | None = None
+    for _ in range(_MOST_ROUNDS):
+        if any(np.array_equal(kept, other) for other in seen):
+            break
         seen.append(kept)
         try:
             believed = problem.keeping(kept)
         except DegenerateLinesError as error:
             return found or error
-        solution = solve(problem.model, believed.task)
-        picks = picks_at([problem], [solution])
-        found = Robust(believed, solution, picks, screen(picks))
-        photos = np.array([line.photo for line in problem.observations.lines])
-        lost = _lost(picks, found.screened, photos)[picks.line]
-        if not by_leverage:
-            kept = found.screened.kept & ~lost
-            by_leverage = any(np.array_equal(kept, other) for other in seen)
-        if by_leverage:
-            kept = _by_leverage(believed, solution) & ~lost
-            kept &= (np.bincount(picks.line, kept, len(picks.sizes)) >= _LEAST)[picks.line]
+        found = _at(believed, solve(problem.model, believed.task))
+        kept = rule(found)
     return found
 
 
-def _by_leverage(believed: Problem, solution: Solution) -> NDArray[np.bool_]:
+def _at(problem: Problem, solution: Solution) -> Robust:
+    """What the picks agree on under a fit; those on other lines may be theirs."""
+    picks = picks_at([problem], [solution])
+    wrong_px, far = _wrong_px(problem), reach(problem.dof, len(problem.kept))
+    photos = np.array([line.photo for line in problem.observations.lines])
+    sigmas = [max(share * _sigma_px(problem, solution), FINEST_PX) for share in _SHARES]
+    every = [agree(picks, sigma_px, wrong_px, far) for sigma_px in sigmas]
+    likeliest = int(np.argmax([each.evidence for each in every]))
+    agreed, sigma_px = every[likeliest], sigmas[likeliest]
+    if not agreed.kept.all():
+        excuse = excuses(picks, agreed, photos, sigma_px, wrong_px)
+        agreed = agree(picks, sigma_px, wrong_px, far, excuse)
+        unclear = contested(picks, agreed, photos, far * sigma_px)[picks.line]
+        agreed = replace(agreed, wrong=agreed.wrong & ~unclear)
+    return Robust(problem, solution, picks, agreed)
+
+
+def _agreeing(found: Robust) -> NDArray[np.bool_]:
+    """The picks that agree."""
+    return found.agreed.kept
+
+
+def _by_leverage(found: Robust) -> NDArray[np.bool_]:
     """Which picks lie within reach, with what each of them does to line and lens allowed for.
 
     A pick at the end of an outer line draws the lens after it and hides its own error; this shows
     once the rest is good.
     """
-    lens, free = lens_of(believed, solution), believed.plan.free
+    believed = found.problem
+    lens, free = lens_of(believed, found.solution), believed.plan.free
     lines_px = in_frame(believed.observations, lens.frame)
     linear = linearise(lens, lines_px, free, believed.kept, image=True)
     square = float(np.sum(linear.residual_px[linear.kept] ** 2))
     sigma_px = max(float(np.sqrt(square / believed.dof)), FINEST_PX)
-    return np.abs(linear.studentised(sigma_px)) < reach(believed.dof, len(linear.line))
+    near = np.abs(linear.studentised(sigma_px)) < reach(believed.dof, len(linear.line))
+    line, n_lines, agreed = linear.line, linear.n_lines, found.agreed
+    known = np.bincount(line, believed.kept & agreed.kept, n_lines) > 0
+    near = np.where(known[line], near & (agreed.lines.count >= LEAST)[line], agreed.kept)
+    near &= ~agreed.wrong
+    return near & (np.bincount(line, near, n_lines) >= LEAST)[line]
 
 
-def _lost(picks: Picks, screened: Screened, photos: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Lines that nothing can be learnt from.
-
-    So few picks agree that they may do so by chance, or most lie on another line of the photo and
-    some do not.
-    """
-    n = len(picks.sizes)
-    counts = np.bincount(picks.line, screened.kept, n)
-    lost = counts < _LEAST
-    for line in np.flatnonzero(~lost & (2 * counts <= picks.sizes)).tolist():
-        lost[line] = _by_chance(picks, screened, line) > _CHANCE
-    starts, lines = np.cumsum(picks.sizes) - picks.sizes, screened.lines
-    for line in np.flatnonzero(~lost & (counts + _LEAST <= picks.sizes)).tolist():
-        first = int(starts[line])
-        mine = first + np.flatnonzero(screened.kept[first : first + int(picks.sizes[line])])
-        middle = np.broadcast_to(lines.centre[line], (n, 2))
-        close = np.abs(lines.place(middle, np.arange(n))[1]) < _ROUGHLY * screened.sigma_px[0]
-        close &= ~lost & (counts >= counts[line]) & (np.arange(n) != line)
-        close &= photos == photos[line]
-        for other in np.flatnonzero(close).tolist():
-            away = distance_from(picks, mine, lines, other)
-            near = within(lines, picks.ideal.uv[mine], other)
-            if np.all(near & (away < _SAME * screened.sigma_px[0])):
-                lost[line] = True
-                break
-    return lost
+def _sigma_px(problem: Problem, solution: Solution) -> float:
+    return float(np.sqrt(np.sum(solution.residual**2) / problem.dof))
 
 
-def _by_chance(picks: Picks, screened: Screened, line: int) -> float:
-    """How many lines through as many of this line's picks chance would make, at the most."""
-    first = int(np.sum(picks.sizes[:line]))
-    mine = slice(first, first + int(picks.sizes[line]))
-    away, kept = np.abs(screened.distance_px[mine]), screened.kept[mine]
-    close = max(float(np.max(away[kept], initial=0.0)), float(screened.sigma_px[0]))
-    others = max(float(np.median(away[~kept])), FINEST_PX)
-    share = min(1.0, close / others)
-    agreeing = int(np.count_nonzero(kept))
-    return comb(int(picks.sizes[line]), agreeing) * share ** (agreeing - 2)
+def _wrong_px(problem: Problem) -> float:
+    return _WRONG * problem.blank.frame.radius_px

@@ -32,7 +32,6 @@ BEYOND = 2.5
 """How far beyond a line's own spread a pick may lie along it and still belong to it."""
 _MOST_VOTES = 256
 _MOST_OF_MIDDLE, _MOST_OF_FIRST = 1.3, 1.6
-_CLOSE = 2.5
 _EXACT = 2  # each least-median line runs through two picks, which tell nothing of σ
 FINEST_PX = 0.01
 """Nobody picks better than this; below, rounding is no reason for suspicion."""
@@ -123,14 +122,6 @@ def screen(picks: Picks, *, glance: bool = False) -> Screened:
         if done and np.array_equal(kept, before):
             break
     return Screened(kept, sigma_px, lines, distance_px)
-
-
-def closest(picks: Picks) -> NDArray[np.bool_]:
-    """Which picks are near the least-median lines: a first belief under a lens that is rough."""
-    lines, _ = least_median_lines(picks.ideal, picks.sizes)
-    distance_px = np.abs(distances(picks, lines))
-    sigma_px = _middle(picks, distance_px, _EXACT)
-    return distance_px < _CLOSE * sigma_px[picks.problem]
 
 
 def least_median_lines(

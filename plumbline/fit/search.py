@@ -1,9 +1,9 @@
-"""Where a robust fit begins: which picks may be believed, before any lens is known.
+"""Where a robust fit begins: lenses under which many picks may agree, before any lens is known.
 
 Lenses of the division model with two coefficients are tried over the whole range in which they
-neither fold nor have a pole; for each the least-median lines are drawn, and what counts is how far
-picks lie from them, wrong ones hardly more than others (Σ log distance). The best of the grid are
-refined by steps that are halved.
+neither fold nor have a pole, by how likely the picks are under each (`plumbline.fit.agreement`):
+first with a σ as coarse as the grid, then σ and the steps between lenses are halved around the
+best, until σ is as fine as people pick.
 """
 
 from __future__ import annotations
@@ -13,32 +13,35 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from plumbline.fit.agreement import Alike, alike, evidence
 from plumbline.fit.problem import Problem
-from plumbline.fit.screening import Picks, closest, distances, least_median_lines, picks_at
-from plumbline.fit.task import Solution
+from plumbline.fit.screening import Picks
 from plumbline.frame import Array
 from plumbline.ideal import Ideal, stretch
 from plumbline.models import CENTRE, get_model
 from plumbline.straightness import line_numbers
 
-_STARTS = 3
-_STEPS, _FINEST_STEP = (0.03, 0.0375), 5e-4
-_MOST_LINES = 64
-_LEAST_PX, _FAR_PX = 0.3, 1e6
+_STEPS = np.array((0.03, 0.0375))
+_COARSEST, _FINEST_PX = 0.008, 0.6
+"""σ to begin with as a share of R, and the one to end below."""
+_BEST, _STARTS = 24, 6
+_APART, _STARTS_APART = 2.0, 8.0
+_MOST_PICKS, _MOST_OF_LINE = 240, 16
+_CHUNK = 1 << 21
+_AROUND = np.array([(i, j) for i in (-1, 0, 1) for j in (-2, -1, 0, 1, 2)])
+_FEASIBLE = np.linspace(0.0, 1.0, 33)
 
 
-def _bends() -> tuple[tuple[float, float], ...]:
-    """l1 and l2 of the division model, at a reach of 1, that neither fold nor have a pole."""
-    s = np.linspace(0.0, 1.0, 33)
-    return tuple(
-        (one, two)
-        for one in np.linspace(-0.96, 0.96, 33).tolist()
-        for two in np.linspace(-0.3, 0.3, 9).tolist()
-        if np.all(1 + one * s + two * s**2 > 0.03) and np.all(1 - one * s - 3 * two * s**2 > 0.03)
-    )
+class Begun(NamedTuple):
+    """A lens to begin with.
 
+    Attributes:
+        picks: The picks under it.
+        sigma_px: The σ with which they are likeliest.
+    """
 
-_BENDS = _bends()
+    picks: Picks
+    sigma_px: float
 
 
 class _Seen(NamedTuple):
@@ -47,80 +50,117 @@ class _Seen(NamedTuple):
     Attributes:
         observed: The picks, line after line, shape (n, 2).
         sizes: Number of picks of each line.
-        far2: Square of the largest radius of all lines.
+        far: Largest radius of all picks.
         unit_px: Square pixels to a normalised radius of 1.
     """
 
     observed: Array
     sizes: NDArray[np.int64]
-    far2: float
+    far: float
     unit_px: float
 
 
-def beliefs(problem: Problem, plain: Solution) -> list[NDArray[np.bool_]]:
-    """Which picks lie on straight lines under the best of many lenses, and under the plain one."""
+def beginnings(problem: Problem, wrong_px: float) -> list[Begun]:
+    """The likeliest of many lenses.
+
+    Args:
+        problem: The problem; its lens does not matter.
+        wrong_px: Width of the band that wrong picks fall into.
+    """
     every = _seen(problem)
     telling = _telling(every)
-    costs = [_cost(_bent(telling, bend)) for bend in _BENDS]
-    rough = [_BENDS[number] for number in np.argsort(costs)[: 2 * _STARTS].tolist()]
-    fine = sorted(_refined(telling, bend) for bend in rough)
-    lenses = [_bent(every, bend) for _, bend in fine[:_STARTS]]
-    if not int(plain.folded):
-        lenses.append(picks_at([problem], [plain]))
-    return [closest(lens) for lens in lenses]
+    groups = list(alike(telling.sizes))
+    sigma_px, steps = _COARSEST * problem.blank.frame.radius_px, _STEPS
+    bends = _whole_range()
+    one_px = 1 / (every.far * every.unit_px)
+    found: list[tuple[Array, Array, Array]] = []
+    while True:
+        likely = _evidence(telling, groups, bends, sigma_px, wrong_px)
+        best = _unlike(bends, likely, _APART * sigma_px * one_px, _BEST)
+        found.append((bends[best], likely[best], np.full(len(best), sigma_px)))
+        if sigma_px < _FINEST_PX:
+            break
+        sigma_px, steps = sigma_px / 2, steps / 2
+        around = (bends[best][:, None] + _AROUND * steps).reshape(-1, 2)
+        bends = _possible(np.unique(np.round(around, 9), axis=0))
+    bends, likely, sigmas_px = (np.concatenate(each) for each in zip(*found, strict=True))
+    starts = _unlike(bends, likely, _STARTS_APART * sigma_px * one_px, _STARTS)
+    return [Begun(_bent(every, bends[n]), float(sigmas_px[n])) for n in starts]
+
+
+def _unlike(bends: Array, likely: Array, apart: float, most: int) -> list[int]:
+    """The likeliest lenses that differ from each other, whatever their scale, by so much."""
+    r = np.linspace(0.1, 1.0, 10)
+    curves = r / (1 + bends[:, :1] * r**2 + bends[:, 1:] * r**4)
+    curves *= (r @ r) / (curves @ r)[:, None]
+    chosen: list[int] = []
+    rest = np.argsort(-likely, kind="stable")
+    while len(rest) and len(chosen) < most:
+        chosen.append(int(rest[0]))
+        rest = rest[np.max(np.abs(curves[rest] - curves[rest[0]]), axis=1) > apart]
+    return chosen
 
 
 def _seen(problem: Problem) -> _Seen:
     packed = problem.packed
     held = np.array([problem.plan.start[name] for name in CENTRE])
     observed = packed.unpack(packed.block.xy) - held / problem.to_px[-2:]
-    far2 = float(np.max(np.sum(observed**2, axis=1)))
-    return _Seen(observed, packed.sizes, far2, problem.blank.unit_px)
+    far = float(np.max(np.hypot(*observed.T)))
+    return _Seen(observed, packed.sizes, far, problem.blank.unit_px)
 
 
 def _telling(seen: _Seen) -> _Seen:
-    """The lines that a lens bends most; all, unless they are many."""
-    sizes = seen.sizes
-    if len(sizes) <= _MOST_LINES:
-        return seen
-    first, last = seen.observed[np.cumsum(sizes) - sizes], seen.observed[np.cumsum(sizes) - 1]
+    """The lines that a lens bends most, and of long ones some picks; all, unless they are many."""
+    sizes, starts = seen.sizes, np.cumsum(seen.sizes) - seen.sizes
+    first, last = seen.observed[starts], seen.observed[starts + sizes - 1]
     length = np.hypot(*(last - first).T)
     area = np.abs(first[:, 0] * last[:, 1] - first[:, 1] * last[:, 0])
-    chosen = np.zeros(len(sizes), dtype=np.bool_)
-    chosen[np.argsort(-area * length)[:_MOST_LINES]] = True
-    return seen._replace(observed=seen.observed[np.repeat(chosen, sizes)], sizes=sizes[chosen])
+    fewer = np.minimum(sizes, _MOST_OF_LINE)
+    order = np.argsort(-area * length)
+    chosen = np.sort(order[np.cumsum(fewer[order]) <= _MOST_PICKS])
+    rows = [
+        start + np.unique(np.linspace(0, size - 1, few).astype(np.int64))
+        for start, size, few in zip(
+            *(each[chosen].tolist() for each in (starts, sizes, fewer)), strict=True
+        )
+    ]
+    return seen._replace(observed=seen.observed[np.concatenate(rows)], sizes=fewer[chosen])
 
 
-def _refined(seen: _Seen, bend: tuple[float, float]) -> tuple[float, tuple[float, float]]:
-    """The lowest cost beside a lens of the grid, and the lens, by steps that are halved."""
-    steps, best = _STEPS, (_cost(_bent(seen, bend)), bend)
-    while steps[0] > _FINEST_STEP:
-        around = [
-            (best[1][0] + i * steps[0], best[1][1] + j * steps[1])
-            for i in (-1, 0, 1)
-            for j in (-1, 0, 1)
-            if i or j
-        ]
-        lowest = min((_cost(_bent(seen, each)), each) for each in around)
-        if lowest[0] < best[0]:
-            best = lowest
-        else:
-            steps = steps[0] / 2, steps[1] / 2
-    return best
+def _whole_range() -> Array:
+    """A grid over l1 and l2 of the division model, at a reach of 1."""
+    one, two = np.arange(-32, 33) * _STEPS[0], np.arange(-4, 5) * 2 * _STEPS[1]
+    return _possible(np.stack(np.meshgrid(one, two, indexing="ij"), axis=-1).reshape(-1, 2))
 
 
-def _bent(seen: _Seen, bend: tuple[float, float]) -> Picks:
+def _possible(bends: Array) -> Array:
+    """Those that neither fold nor have a pole."""
+    one, two, s = bends[:, :1], bends[:, 1:], _FEASIBLE
+    pole, fold = 1 + one * s + two * s**2, 1 - one * s - 3 * two * s**2
+    return bends[np.all((pole > 0.03) & (fold > 0.03), axis=1)]
+
+
+def _evidence(
+    seen: _Seen, groups: list[Alike], bends: Array, sigma_px: float, wrong_px: float
+) -> Array:
+    """How likely the picks are under lenses of the division model."""
+    s = np.sum(seen.observed**2, axis=1) / seen.far**2
+    room = max(1, _CHUNK // (len(s) * 64))
+    likely: list[Array] = []
+    for some in np.array_split(bends, -(-len(bends) // room)):
+        one, two = some[:, :1], some[:, 1:]
+        below = 1 + one * s + two * s**2
+        slope = (1 - one * s - 3 * two * s**2) / below**2
+        uv = seen.observed * (seen.unit_px / below[..., None])
+        likely.append(evidence(uv, np.sqrt(slope / below), groups, sigma_px, wrong_px))
+    return np.concatenate(likely)
+
+
+def _bent(seen: _Seen, bend: Array) -> Picks:
     """The picks under a lens of the division model."""
-    c = bend[0] / seen.far2, bend[1] / seen.far2**2
+    c = bend[0] / seen.far**2, bend[1] / seen.far**4
     r2 = np.sum(seen.observed**2, axis=1)
     ideal = seen.observed / (1 + c[0] * r2 + c[1] * r2**2)[:, None]
     slopes = stretch(get_model("division"), c, seen.observed, ideal)
     one, line = np.zeros(len(r2), dtype=np.int64), line_numbers(seen.sizes)
     return Picks(Ideal(ideal * seen.unit_px, slopes), seen.sizes, line, one, np.array([1]))
-
-
-def _cost(picks: Picks) -> float:
-    """How far picks lie from their least-median lines, wrong ones hardly more than others."""
-    lines, _ = least_median_lines(picks.ideal, picks.sizes)
-    away_px = np.minimum(np.abs(distances(picks, lines)), _FAR_PX)
-    return float(np.sum(np.log(away_px + _LEAST_PX)))

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plumbline.calibration import Calibration
+from plumbline.fit.agreement import LEAST
 from plumbline.fit.oddities import bends, twins
 from plumbline.fit.robust import Robust
 from plumbline.fit.screening import BEYOND, Picks, reach
@@ -20,8 +21,6 @@ from plumbline.linearised import Linearised, across_stretch
 from plumbline.straightness import Lines
 from plumbline.suspect import Kind, Suspect
 from plumbline.wording import count
-
-_LEAST, _EXCHANGED = 3, 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,10 +80,10 @@ def suspects_of(made: Calibration, found: Robust) -> tuple[Suspect, ...]:
         made,
         linear,
         found.picks,
-        found.screened.lines,
+        found.agreed.lines,
         np.array([line.photo for line in made.observations.lines]),
         np.searchsorted(linear.line, np.arange(linear.n_lines)),
-        np.where(lost_pick, found.screened.distance_px, linear.image_px),
+        np.where(lost_pick, found.agreed.distance_px, linear.image_px),
         linear.studentised(made.sigma_px),
         reach(made.dof, len(linear.line)) * made.sigma_px,
     )
@@ -92,13 +91,14 @@ def suspects_of(made: Calibration, found: Robust) -> tuple[Suspect, ...]:
     sigma_px = np.full(linear.n_lines, made.sigma_px)
     bend_px, bent = bends(linear.line, linear.along_px, linear.image_px, sigma_px)
     away = {int(n): _other_line(scene, int(n)) for n in np.flatnonzero(~kept)}
-    unclear = _unclear(scene, lost, away, found.screened.kept)
+    unsure = ~kept & ~found.agreed.kept & ~found.agreed.wrong
+    unclear = set(np.flatnonzero(unsure).tolist())
     wrong = [
         _wrong_pick(scene, number, away, on_bent=bool(bent[linear.line[number]]))
         for number in away
         if number not in unclear
     ]
-    rests = [_lost_line(scene, line, unclear) for line in lost]
+    rests = [_lost_line(scene, line, unclear) for line in range(linear.n_lines)]
     whole = [
         _bent_line(scene, line, float(bend_px[line]))
         for line in np.flatnonzero(bent).tolist()
@@ -111,26 +111,6 @@ def suspects_of(made: Calibration, found: Robust) -> tuple[Suspect, ...]:
         *whole,
         *(_twins(scene, one, two) for one, two in pairs.tolist()),
     )
-
-
-def _unclear(
-    scene: _Scene,
-    lost: list[int],
-    away: dict[int, tuple[int, float] | None],
-    agreeing: NDArray[np.bool_],
-) -> set[int]:
-    """Picks of lines left out as a whole that nobody can call wrong.
-
-    Those that agree on a line; or all the rest, where some lie on other lines, since those that
-    agree may do so on another line too.
-    """
-    unclear: set[int] = set()
-    for line in lost:
-        first = int(scene.starts[line])
-        rows = range(first, first + len(scene.made.kept[line]))
-        exchanged = sum(away[n] is not None for n in rows) >= _EXCHANGED
-        unclear |= {n for n in rows if not away[n] and (agreeing[n] or exchanged)}
-    return unclear
 
 
 def _wrong_pick(
@@ -170,7 +150,7 @@ def _other_line(scene: _Scene, number: int) -> tuple[int, float] | None:
     slopes = np.broadcast_to(scene.picks.ideal.stretch[number], (len(every), 2, 2))
     along, across = lines.place(uv, every)
     away = np.abs(across) / across_stretch(Ideal(uv, slopes), lines, every)
-    fits = (lines.count >= _LEAST) & (scene.photo == scene.photo[own]) & (every != own)
+    fits = (lines.count >= LEAST) & (scene.photo == scene.photo[own]) & (every != own)
     fits &= np.abs(along) <= BEYOND * np.sqrt(lines.spread / np.maximum(lines.count, 1.0))
     away = np.where(fits & np.isfinite(away), away, np.inf)
     best = int(np.argmin(away))
