@@ -13,13 +13,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from plumbline.fit.screening import Picks, distances
+from plumbline.fit.screening import Picks, distances, pairs
 from plumbline.frame import Array
 from plumbline.straightness import Lines, direction, fit_lines
 
@@ -86,19 +85,7 @@ def alike(sizes: NDArray[np.int64]) -> Iterator[Alike]:
     starts = np.cumsum(sizes) - sizes
     for size in np.unique(sizes[sizes >= LEAST]).tolist():
         rows = starts[sizes == size][:, None] + np.arange(size)
-        yield Alike(rows, *_pairs(size))
-
-
-@cache
-def _pairs(n: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Pairs of picks to draw lines through: all of few, else some that lie well apart."""
-    first, second = np.triu_indices(n, 1)
-    if len(first) > _PAIRS:
-        far = second - first >= n / 3
-        first, second = first[far], second[far]
-        some = np.random.default_rng(n).permutation(len(first))[:_PAIRS]
-        first, second = first[some], second[some]
-    return first, second
+        yield Alike(rows, *pairs(size, _PAIRS))
 
 
 def credit(sigma_px: float, wrong_px: float) -> float:

@@ -72,7 +72,7 @@ def robust_fits(
         picks that can be believed are too few.
     """
     picks = picks_at(problems, solutions)
-    screened = screen(picks, glance=True)
+    screened = screen(picks)
     spoiled = np.bincount(picks.problem, ~screened.kept, len(problems)) > 0
     odd = _odd(picks, screened)
     made: list[Robust | DegenerateLinesError | None] = []
@@ -83,9 +83,10 @@ def robust_fits(
             kept = screened.kept[picks.problem == index]
             many = np.count_nonzero(kept) < (1 - _MANY) * len(kept)
             masked = wild or (many and not screened.sigma_px[index] > _MASKED * plain_px)
-            made.append(_best(problem, _beliefs(problem, solution) if masked else [kept]))
+            beliefs = _beliefs(problem, solution) if masked else [kept]
+            made.append(_best(problem, beliefs, _SHARES if masked else _SHARES[:1]))
         elif odd[index]:
-            made.append(_at(problem, solution))
+            made.append(_at(problem, solution, _SHARES[:1]))
         else:
             made.append(None)
     return made
@@ -115,16 +116,17 @@ def _beliefs(problem: Problem, plain: Solution) -> list[NDArray[np.bool_]]:
 
 
 def _best(
-    problem: Problem, beliefs: Sequence[NDArray[np.bool_]]
+    problem: Problem, beliefs: Sequence[NDArray[np.bool_]], shares: tuple[float, ...]
 ) -> Robust | DegenerateLinesError | None:
     """The likeliest fit that is reached from first beliefs, the leverage of picks allowed for."""
     seen: list[NDArray[np.bool_]] = []
-    found = [_settled(problem, kept, seen, _agreeing) for kept in beliefs]
+    found = [_settled(problem, kept, seen, _agreeing, shares) for kept in beliefs]
     fits = [each for each in found if isinstance(each, Robust)]
     if not fits:
         return next((each for each in found if each), None)
     best = max(fits, key=lambda each: each.agreed.evidence)
-    better = _settled(problem, _by_leverage(best), [best.problem.kept], _by_leverage)
+    kept = _by_leverage(best)
+    better = _settled(problem, kept, [best.problem.kept], _by_leverage, shares)
     return better if isinstance(better, Robust) else best
 
 
@@ -133,6 +135,7 @@ def _settled(
     kept: NDArray[np.bool_],
     seen: list[NDArray[np.bool_]],
     rule: Callable[[Robust], NDArray[np.bool_]],
+    shares: tuple[float, ...],
 ) -> Robust | DegenerateLinesError | None:
     """Decide lens and picks in turn, until the picks are those of a round before.
 
@@ -141,6 +144,7 @@ def _settled(
         kept: The picks believed first.
         seen: Beliefs that need not be tried again; those tried are added.
         rule: Which picks to believe next.
+        shares: What σ may be, as shares of σ̂.
     """
     found: Robust | DegenerateLinesError | None = None
     for _ in range(_MOST_ROUNDS):
@@ -151,17 +155,17 @@ def _settled(
             believed = problem.keeping(kept)
         except DegenerateLinesError as error:
             return found or error
-        found = _at(believed, solve(problem.model, believed.task))
+        found = _at(believed, solve(problem.model, believed.task), shares)
         kept = rule(found)
     return found
 
 
-def _at(problem: Problem, solution: Solution) -> Robust:
+def _at(problem: Problem, solution: Solution, shares: tuple[float, ...]) -> Robust:
     """What the picks agree on under a fit; those on other lines may be theirs."""
     picks = picks_at([problem], [solution])
     wrong_px, far = _wrong_px(problem), reach(problem.dof, len(problem.kept))
     photos = np.array([line.photo for line in problem.observations.lines])
-    sigmas = [max(share * _sigma_px(problem, solution), FINEST_PX) for share in _SHARES]
+    sigmas = [max(share * _sigma_px(problem, solution), FINEST_PX) for share in shares]
     every = [agree(picks, sigma_px, wrong_px, far) for sigma_px in sigmas]
     likeliest = int(np.argmax([each.evidence for each in every]))
     agreed, sigma_px = every[likeliest], sigmas[likeliest]

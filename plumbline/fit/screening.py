@@ -1,10 +1,10 @@
-"""Straight lines that wrong picks cannot move, and the picks that do not lie on them.
+"""A glance at a fit: do all its picks lie on straight lines, if its lens is right?
 
 For each line the pair of its picks with the least median distance of all its picks is found
 (P. Rousseeuw, "Least median of squares regression", 1984). From there lines are fitted by least
 squares to the picks within reach of them, with one σ for the whole photo that follows from these
-picks, until nothing changes. Many problems are screened in one go: everything runs over flat
-arrays of picks.
+picks, and once more. Many problems are screened in one go: everything runs over flat arrays of
+picks.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ from plumbline.linearised import across_stretch
 from plumbline.straightness import Lines, fit_lines, line_numbers
 from plumbline.student import quantile
 
-_PAIRS, _FEWER_PAIRS = 28, 10
+_PAIRS = 10
 _CHUNK = 1 << 15
-_MOST_ROUNDS, _GLANCE = 20, 2
+_ROUNDS = 2
 BEYOND = 2.5
 """How far beyond a line's own spread a pick may lie along it and still belong to it."""
 _MOST_VOTES = 256
@@ -91,23 +91,17 @@ def picks_at(problems: Sequence[Problem], solutions: Sequence[Solution]) -> Pick
     return Picks(Ideal(ideal * units, slopes), sizes, line_numbers(sizes), of_problem, n_free)
 
 
-def screen(picks: Picks, *, glance: bool = False) -> Screened:
-    """Find the picks that lie on straight lines with the others.
-
-    Args:
-        picks: The picks, of one or several problems.
-        glance: Only look whether all picks of a problem lie on straight lines, under a lens that
-            is right if they do.
-    """
-    lines, _ = least_median_lines(picks.ideal, picks.sizes, _FEWER_PAIRS if glance else _PAIRS)
+def screen(picks: Picks) -> Screened:
+    """Find the picks that lie on straight lines with the others, of one or several problems."""
+    lines = _least_median_lines(picks.ideal, picks.sizes)
     distance_px = distances(picks, lines)
     sigma_px = _middle(picks, np.abs(distance_px), _EXACT)
     most_px = _MOST_OF_FIRST * sigma_px
     kept = np.isfinite(distance_px)
     room = np.ones(len(kept))
-    for done in range(_GLANCE if glance else _MOST_ROUNDS):
+    for _ in range(_ROUNDS):
         reach = _reach(picks, kept)[picks.problem]
-        before, kept = kept, np.abs(distance_px) < reach * sigma_px[picks.problem] * np.sqrt(room)
+        kept = np.abs(distance_px) < reach * sigma_px[picks.problem] * np.sqrt(room)
         kept &= (np.bincount(picks.line, kept, len(picks.sizes)) >= 2)[picks.line]
         lines = fit_lines(picks.ideal.uv, picks.sizes, kept.astype(np.float64))
         distance_px = distances(picks, lines)
@@ -119,47 +113,33 @@ def screen(picks: Picks, *, glance: bool = False) -> Screened:
         middle = _middle(picks, np.abs(distance_px) / np.sqrt(room), 0)
         sigma_px = np.minimum(_sigma(picks, kept, distance_px), _MOST_OF_MIDDLE * middle)
         sigma_px = np.minimum(sigma_px, most_px)
-        if done and np.array_equal(kept, before):
-            break
     return Screened(kept, sigma_px, lines, distance_px)
 
 
-def least_median_lines(
-    ideal: Ideal, sizes: NDArray[np.int64], pairs: int = _PAIRS
-) -> tuple[Lines, Array]:
-    """For every line that through the pair of its picks with the least median distance.
-
-    Args:
-        ideal: The picks, line after line.
-        sizes: Number of picks of each line.
-        pairs: How many pairs of a line are tried at the most.
-
-    Returns:
-        The lines, and the median distance of each in pixels of the photograph, shape (l,).
-    """
+def _least_median_lines(ideal: Ideal, sizes: NDArray[np.int64]) -> Lines:
+    """For every line that through the pair of its picks with the least median distance."""
     starts = np.cumsum(sizes) - sizes
     xx, xy, yx, yy = ideal.stretch.reshape(-1, 4).T
     area = np.abs(xx * yy - xy * yx)
     scale = np.sqrt(np.where(area > 0, area, np.inf))
     origin, along = np.zeros((len(sizes), 2)), np.zeros((len(sizes), 2))
-    median = np.zeros(len(sizes))
     for size in np.unique(sizes):
         members = np.flatnonzero(sizes == size)
         votes = np.unique(np.linspace(0, size - 1, min(int(size), _MOST_VOTES)).astype(np.int64))
-        step = max(1, _CHUNK // (len(votes) * pairs))
+        step = max(1, _CHUNK // (len(votes) * _PAIRS))
         for first in range(0, len(members), step):
             chosen = members[first : first + step]
             rows = starts[chosen, None] + votes
-            found = _least_median(ideal.uv[rows], scale[rows], _pairs(len(votes), pairs))
-            origin[chosen], along[chosen], median[chosen] = found
-    return Lines(origin, along, sizes.astype(np.float64), np.ones(len(sizes))), median
+            found = _least_median(ideal.uv[rows], scale[rows], pairs(len(votes), _PAIRS))
+            origin[chosen], along[chosen] = found
+    return Lines(origin, along, sizes.astype(np.float64), np.ones(len(sizes)))
 
 
 def _least_median(
-    uv: Array, scale: Array, pairs: tuple[NDArray[np.int64], NDArray[np.int64]]
-) -> tuple[Array, Array, Array]:
+    uv: Array, scale: Array, pair: tuple[NDArray[np.int64], NDArray[np.int64]]
+) -> tuple[Array, Array]:
     """The same for lines of one size: shapes (l, n, 2) and (l, n)."""
-    first, second = pairs
+    first, second = pair
     origin = uv[:, first]
     along = uv[:, second] - origin
     length = np.hypot(along[..., 0], along[..., 1])
@@ -173,11 +153,11 @@ def _least_median(
     best = np.argmin(medians, axis=1)
     each = np.arange(len(uv))
     along = np.where(np.isfinite(along[each, best]), along[each, best], 0.0)
-    return np.nan_to_num(origin[each, best]), along, medians[each, best]
+    return np.nan_to_num(origin[each, best]), along
 
 
 @cache
-def _pairs(n: int, most: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def pairs(n: int, most: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Pairs of picks to draw lines through: all of few, else some that lie well apart."""
     first, second = np.triu_indices(n, 1)
     if len(first) > most:
