@@ -37,6 +37,7 @@ others less than the first share of the plain fit's σ̂, or where that exceeds 
 """
 _SHARES = 1.0, 0.7, 0.5
 """Of σ̂, which wrong picks among the believed ones make too large."""
+_NO_EXCUSE = 1e-9
 _WRONG = 0.1
 """Width of the band that wrong picks fall into, as a share of R."""
 
@@ -171,7 +172,8 @@ def _at(problem: Problem, solution: Solution, shares: tuple[float, ...]) -> Robu
     agreed, sigma_px = every[likeliest], sigmas[likeliest]
     if not agreed.kept.all():
         excuse = excuses(picks, agreed, photos, sigma_px, wrong_px)
-        agreed = agree(picks, sigma_px, wrong_px, far, excuse)
+        if np.any(excuse > _NO_EXCUSE):
+            agreed = agree(picks, sigma_px, wrong_px, far, excuse)
         unclear = contested(picks, agreed, photos, far * sigma_px)[picks.line]
         agreed = replace(agreed, wrong=agreed.wrong & ~unclear)
     return Robust(problem, solution, picks, agreed)
