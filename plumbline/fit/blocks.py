@@ -138,9 +138,10 @@ def unpack(packed: Sequence[Packed], values: Sequence[AnyArray]) -> Array:
 
 def shape_of(observations: Observations) -> tuple[int, int]:
     """Rows and width of the block that these lines are packed into."""
-    sizes = observations.sizes
-    width = _width(sizes)
-    return bucket(int((-(-sizes // width)).sum())), width
+    rows = (-(-observations.sizes // _WIDTHS[:, None])).sum(axis=1)
+    # The width that pads least; ties go to the narrower.
+    best = np.argmin(rows * _WIDTHS / _ADVANTAGE)
+    return bucket(int(rows[best])), int(_WIDTHS[best])
 
 
 def bucket(rows: int) -> int:
@@ -153,9 +154,3 @@ def bucket(rows: int) -> int:
     if rows <= _COARSE:
         return max(_LEAST_ROWS, whole)
     return -(-rows // (whole // 8)) * (whole // 8)
-
-
-def _width(sizes: NDArray[np.int64]) -> int:
-    """The width that pads least; ties go to the narrower."""
-    cells = (-(-sizes // _WIDTHS[:, None]) * _WIDTHS[:, None]).sum(axis=1)
-    return int(_WIDTHS[np.argmin(cells / _ADVANTAGE)])

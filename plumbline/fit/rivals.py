@@ -11,6 +11,8 @@ from plumbline.frame import Array
 
 _OFTEN = 0.3
 """Share of wrong picks that are another line's."""
+_ROUGHLY = 10.0
+"""Lines farther apart than so many times what a pick may be are not looked at closely."""
 
 
 def excuses(
@@ -63,6 +65,9 @@ def contested(
         mine = np.flatnonzero(agreed.kept & (picks.line == line))
         others = (counts >= counts[line]) & (photos == photos[line])
         others[line] = False
+        middle = np.broadcast_to(agreed.lines.centre[line], (len(photos), 2))
+        across = agreed.lines.place(middle, np.arange(len(photos)))[1]
+        others &= np.abs(across) < _ROUGHLY * far_px
         for other in np.flatnonzero(others).tolist():
             near = within(agreed.lines, picks.ideal.uv[mine], other)
             if np.all(near & (distance_from(picks, mine, agreed.lines, other) < far_px)):
