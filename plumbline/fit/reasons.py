@@ -38,6 +38,11 @@ def _why_taken(choice: Choice) -> str:
     if not isfinite(aicc(taken)):
         return "no model has fewer coefficients, and so few picks cannot tell models apart"
     if taken is best:
+        if any(aicc(each) < aicc(taken) for each in choice.candidates if each.aicc is not None):
+            return (
+                "of the models without tangential terms or a free centre none fits better for its "
+                "number of coefficients, and for these terms the evidence is too weak"
+            )
         return "no model fits better for its number of coefficients"
     off_px = taken.difference_px or 0.0
     where = (
