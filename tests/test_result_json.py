@@ -392,7 +392,7 @@ def test_several_values_replaced_at_once(data: st.DataObject) -> None:
     ],
 )
 def test_other_texts(text: str, sentence: str) -> None:
-    with pytest.raises(ReadError, match=r"^x\.json(, line 1)?: ") as caught:
+    with pytest.raises(ReadError, match=r"^x\.json(, row 1)?: ") as caught:
         from_json(text, "x.json")
     assert sentence in caught.value.message
     assert caught.value.hint
