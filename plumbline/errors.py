@@ -52,12 +52,15 @@ def printable(text: str) -> str:
 
 
 class _FileError(PlumblineError):
-    """An error about a file, and perhaps a line of it (counted from 1)."""
+    """An error about a file, and perhaps a row of its text (`line`, counted from 1).
+
+    A sentence says "row", since a "line" is one that was picked.
+    """
 
     def __init__(
         self, message: str, *, path: str | Path = "", line: int | None = None, hint: str = ""
     ) -> None:
-        where = str(path) + (f", line {line}" if line is not None else "")
+        where = str(path) + (f", row {line}" if line is not None else "")
         super().__init__(f"{where}: {message}" if where else message, hint=hint)
         self.path = str(path)
         self.line = line

@@ -173,9 +173,13 @@ def write_atomically(contents: Mapping[Path, bytes]) -> None:
 
 
 def _unwritable(target: Path, error: OSError) -> WriteError:
-    if isinstance(error, FileNotFoundError):
+    if isinstance(error, FileNotFoundError) and not target.parent.is_dir():
         return WriteError(
             "the folder does not exist", path=target, hint="make it first, or choose another"
+        )
+    if isinstance(error, FileNotFoundError):
+        return WriteError(
+            "the folder takes no new files", path=target, hint="choose another place with -o"
         )
     return WriteError(
         f"the file cannot be written: {_reason(error)}",

@@ -41,7 +41,11 @@ _NUMBERS = (
     "aspect_ratio",
 )
 _MOST = 1e100
-_DAMAGE = (ValueError, TypeError, IndexError, AttributeError, OverflowError)
+_WRONG_KIND = (ValueError, TypeError, IndexError, AttributeError, OverflowError)
+
+
+class _DamageError(Exception):
+    """What is wrong with the file, in words for the user."""
 
 
 def from_json(text: str, path: str) -> tuple[Calibration, ...]:
@@ -60,8 +64,22 @@ def from_json(text: str, path: str) -> tuple[Calibration, ...]:
         raise ReadError("the JSON is nested too deeply", path=path, hint=_AGAIN) from None
     except KeyError as error:
         raise ReadError(f"the calibration lacks {error}", path=path, hint=_AGAIN) from None
-    except (PlumblineError, *_DAMAGE) as error:
+    except json.JSONDecodeError as error:
+        raise ReadError(
+            "the file is damaged: its text is no JSON from here on",
+            path=path,
+            line=error.lineno,
+            hint=_AGAIN,
+        ) from None
+    except (PlumblineError, _DamageError) as error:
         raise ReadError(f"the calibration is damaged: {error}", path=path, hint=_AGAIN) from None
+    except _WRONG_KIND:
+        raise ReadError(
+            "the calibration is damaged: something else stands where a number, a text or a list "
+            "belongs",
+            path=path,
+            hint=_AGAIN,
+        ) from None
     if not made:
         raise ReadError("there is no calibration in this file", path=path, hint=_AGAIN)
     return made
@@ -77,7 +95,7 @@ def _refuse_others(whole: Any, path: str) -> None:
 
 
 def _not_finite(name: str) -> float:
-    raise ValueError(f"{name} is no finite number")
+    raise _DamageError(f"{name} is no finite number")
 
 
 def _calibration(data: Mapping[str, Any]) -> Calibration:
@@ -86,19 +104,19 @@ def _calibration(data: Mapping[str, Any]) -> Calibration:
     sizes = [len(line.points_px) for line in observations.lines]
     residuals_px = tuple(_residuals(line["residuals_px"]) for line in stored["lines"])
     if [len(values) for values in residuals_px] != sizes:
-        raise ValueError("the residuals do not fit the points")
+        raise _DamageError("the residuals do not fit the points")
     every = zip(stored["lines"], residuals_px, strict=True)
     kept = tuple(_kept(line.get("left_out", []), values) for line, values in every)
     if not any(which.any() for which in kept):
-        raise ValueError("every pick is left out")
+        raise _DamageError("every pick is left out")
     free = tuple(str(name) for name in data["free"])
     lens = _lens(data, observations)
     start = {str(name): _number(value) for name, value in data["start"].items()}
     names = set(lens.coefficients)
     if not set(free) <= names or len(set(free)) < len(free) or set(start) != names:
-        raise ValueError("the coefficients do not fit the model")
+        raise _DamageError("the coefficients do not fit the model")
     if data["residual"] not in ("image", "corrected"):
-        raise ValueError("the kind of residual is not known")
+        raise _DamageError("the kind of residual is not known")
     return Calibration(
         observations=observations,
         lens=lens,
@@ -141,7 +159,7 @@ def _observations(stored: Mapping[str, Any]) -> Observations:
         lenses=(_facts(stored["lens"]),),
     ).checked()
     if not all(0 <= line.photo < len(observations.photos) for line in observations.lines):
-        raise ValueError("a line lies in no photo")
+        raise _DamageError("a line lies in no photo")
     origins = tuple(
         Origin(str(o["path"]), str(o["format"]), checksum=str(o.get("sha256", "")))
         for o in stored["origins"]
@@ -162,13 +180,13 @@ def _lens(data: Mapping[str, Any], observations: Observations) -> Lens:
 def _covariance(values: Any, free: tuple[str, ...]) -> Array:
     covariance = _array(values, 2)
     if covariance.shape != (len(free), len(free)) or np.any(np.diag(covariance) < 0):
-        raise ValueError("the covariance does not fit the free coefficients")
+        raise _DamageError("the covariance does not fit the free coefficients")
     deviations = np.sqrt(np.diag(covariance))
     scale = np.outer(deviations, deviations)
     correlation = np.divide(covariance, scale, out=np.zeros_like(scale), where=scale > 0)
     symmetric = np.allclose(correlation, correlation.T, rtol=0, atol=1e-6)
     if not symmetric or (len(free) and np.min(np.linalg.eigvalsh(correlation)) < -1e-6):
-        raise ValueError("the covariance is none")
+        raise _DamageError("the covariance is none")
     return covariance
 
 
@@ -176,7 +194,7 @@ def _bootstrap(data: Any, free: tuple[str, ...]) -> Bootstrap | None:
     if data is None:
         return None
     if set(data["intervals"]) != set(free):
-        raise ValueError("the bootstrap does not fit the free coefficients")
+        raise _DamageError("the bootstrap does not fit the free coefficients")
     intervals = _array([_pair(data["intervals"][name], _number) for name in free], 2)
     covariance = _covariance(data["covariance"], free)
     fits, failed = (_whole(data[name], least=0) for name in ("fits", "failed"))
@@ -193,17 +211,17 @@ def _kept(left_out: Any, residuals_px: Array) -> NDArray[np.bool_]:
     kept = np.ones(len(residuals_px), dtype=np.bool_)
     kept[_places(left_out, len(kept))] = False
     if not np.all(np.isfinite(residuals_px[kept])):
-        raise ValueError("a pick without a residual is not left out")
+        raise _DamageError("a pick without a residual is not left out")
     return kept
 
 
 def _places(values: Any, n: int) -> list[int]:
     """Which of a line's n picks."""
     if not isinstance(values, list):
-        raise TypeError("places of picks are no list")
+        raise _DamageError("places of picks are no list")
     places = [_whole(value, least=0) for value in values]
     if not all(place < n for place in places):
-        raise ValueError("a pick is named that there is not")
+        raise _DamageError("a pick is named that there is not")
     return places
 
 
@@ -211,9 +229,9 @@ def _suspect(data: Mapping[str, Any], sizes: Sequence[int]) -> Suspect:
     line = _whole(data["line"], least=0)
     picks = tuple(_places(data["picks"], sizes[line]))
     if not picks:
-        raise ValueError("a suspect is no pick at all")
+        raise _DamageError("a suspect is no pick at all")
     if data["kind"] not in KINDS:
-        raise ValueError(f"there is no kind of suspect {data['kind']!r}")
+        raise _DamageError(f"there is no kind of suspect {data['kind']!r}")
     away, size = data["residual_px"], data["studentised"]
     return Suspect(
         line,
@@ -228,20 +246,20 @@ def _suspect(data: Mapping[str, Any], sizes: Sequence[int]) -> Suspect:
 
 def _truth(value: Any) -> bool:
     if not isinstance(value, bool):
-        raise TypeError(f"{value!r} is neither true nor false")
+        raise _DamageError(f"{value!r} is neither true nor false")
     return value
 
 
 def _whole(value: Any, *, least: int) -> int:
     if not isinstance(value, int) or isinstance(value, bool) or not least <= value <= _MOST:
-        raise ValueError(f"{value!r} is no whole number from {least} on")
+        raise _DamageError(f"{value!r} is no whole number from {least} on")
     return value
 
 
 def _size(value: Any) -> float:
     number = _number(value)
     if number < 0:
-        raise ValueError(f"{number:g} is negative")
+        raise _DamageError(f"{number:g} is negative")
     return number
 
 
@@ -253,14 +271,14 @@ def _pair(values: Any, of: Callable[[Any], T]) -> tuple[T, T]:
 def _array(values: Any, dimensions: int) -> Array:
     array = np.array(values, dtype=np.float64)
     if array.ndim != dimensions or not np.all(np.abs(array) <= _MOST):
-        raise ValueError("an array has the wrong shape or holds an absurd number")
+        raise _DamageError("an array has the wrong shape or holds an absurd number")
     return array
 
 
 def _number(value: Any) -> float:
     number = float(value)
     if not abs(number) <= _MOST:
-        raise ValueError(f"{number:g} is an absurd number")
+        raise _DamageError(f"{number:g} is an absurd number")
     return number
 
 

@@ -222,6 +222,16 @@ def test_a_folder_that_is_not_there_leaves_every_file_as_it_was(
     assert (folder / "a").read_bytes() == b"0"
 
 
+def test_a_folder_that_is_there_but_takes_no_files_is_not_said_to_be_missing() -> None:
+    if not Path("/proc").is_dir():
+        pytest.skip("there is no /proc, a folder that takes no new files")
+    with pytest.raises(
+        WriteError, match=r"^/proc/x\.json: the folder takes no new files"
+    ) as caught:
+        write_atomically({Path("/proc/x.json"): b"1"})
+    assert "another place" in caught.value.hint
+
+
 @pytest.mark.parametrize("failing", ["fsync", "open", "replace"])
 def test_nothing_is_left_behind_by_a_failure(
     folder: Path, monkeypatch: pytest.MonkeyPatch, failing: str

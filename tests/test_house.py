@@ -22,7 +22,7 @@ FLOORS = [
     ("lens", "finding", "ideal", "displacement", "straightness"),
     ("linearised", "suspect", "trust", "checks", "resampling"),
     ("next_line", "trust_checks", "notes", "calibration", "comparison"),
-    ("result_json", "result_reading"),
+    ("result_json", "result_reading", "consistency"),
     ("fit",),
     ("formats",),
     ("lenses",),

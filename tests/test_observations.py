@@ -103,7 +103,7 @@ def test_points_outside_the_photo_are_refused(point: tuple[float, float]) -> Non
 def test_points_of_a_file_are_refused_by_file_and_row() -> None:
     line = Line(np.array([*EDGE, [500.0, 5.0]]), label="7", rows=np.array([3, 4, 5, 6]))
     origin = Origin("picks.csv", "csv", b"")
-    with pytest.raises(ReadError, match=r"picks\.csv, line 6: .*\(500, 5\) of line 7") as caught:
+    with pytest.raises(ReadError, match=r"picks\.csv, row 6: .*\(500, 5\) of line 7") as caught:
         Observations((Photo(SIZE),), (line,), origins=(origin,)).checked()
     assert (caught.value.path, caught.value.line) == ("picks.csv", 6)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import hashlib
 import json
+import re
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -391,10 +392,38 @@ def test_several_values_replaced_at_once(data: st.DataObject) -> None:
     ],
 )
 def test_other_texts(text: str, sentence: str) -> None:
-    with pytest.raises(ReadError, match=r"^x\.json: ") as caught:
+    with pytest.raises(ReadError, match=r"^x\.json(, row 1)?: ") as caught:
         from_json(text, "x.json")
     assert sentence in caught.value.message
     assert caught.value.hint
+
+
+@pytest.mark.parametrize(
+    ("path", "value"),
+    [
+        ("sigma_px", "text"),
+        ("sigma_px", None),
+        ("covariance", "text"),
+        ("covariance", [[1.0, 2.0], [3.0]]),
+        ("observations.lines.0.photo", "x"),
+        ("observations.photos.0.size", [1, 2, 3]),
+        ("observations.lens", 5),
+        ("observations", []),
+        ("start", "text"),
+        ("suspects.0.line", 99),
+        ("free", None),
+    ],
+)
+def test_damage_is_told_without_the_words_of_python(path: str, value: Any) -> None:
+    error = damaged(change(path, value))
+    assert error is not None
+    jargon = "float|int|str|tuple|dict|NoneType|object|index|indices|unpack|attribute|iterable|key"
+    assert not re.search(rf"\b({jargon})\b|shape \(|array element", error.message)
+
+
+def test_a_text_that_breaks_off_is_told_with_its_row() -> None:
+    with pytest.raises(ReadError, match="the file is damaged: its text is no JSON from here on"):
+        from_json('{\n"format": ', "x.json")
 
 
 def test_every_truncation() -> None:

@@ -8,15 +8,17 @@ from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 from plumbline.checks import Check, before_fit
+from plumbline.cli.fitting import without_wrong_picks
 from plumbline.cli.pipeline import name_the_source
 from plumbline.errors import PlumblineError
 from plumbline.fit.options import plan
 from plumbline.models import get_model
-from plumbline.trust_checks import after_fit
+from plumbline.trust_checks import after_fit, suspects_check
 
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from plumbline.calibration import Calibration
     from plumbline.observations import Observations
     from plumbline.suspect import Suspect
 
@@ -60,11 +62,28 @@ def check_lenses(
             try:
                 made = calibrate(part, model, free=free, hold=hold)
             except PlumblineError as error:
+                other = without_wrong_picks(part, model=model, free=free, hold=hold)
                 named = name_the_source(error, part, len(parts))
-                found.append(Checked(before, error=named))
+                found.append(_refused(before, named, other))
                 continue
         found.append(Checked((*before, *after_fit(made)), made.suspects))
     return found
+
+
+def _refused(
+    before: tuple[Check, ...], error: PlumblineError, other: Calibration | None
+) -> Checked:
+    """What is known of a lens that was not fitted; the robust fit may know which picks are wrong.
+
+    Args:
+        before: The checks before a fit.
+        error: Why it was not fitted.
+        other: The robust fit, where it found a lens.
+    """
+    if other is None:
+        return Checked(before, error=error)
+    error.hint = "look at the suspicious picks; plumbline fit --robust leaves them out"
+    return Checked((*before, suspects_check(other)), other.suspects, error)
 
 
 def as_dict(checked: Checked) -> dict[str, Any]:

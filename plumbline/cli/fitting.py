@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from plumbline.cli.option_types import AUTO
 from plumbline.cli.pipeline import name_the_source
-from plumbline.errors import PlumblineError
+from plumbline.errors import DegenerateLinesError, PlumblineError
+from plumbline.trust_checks import suspects_check
 
 if TYPE_CHECKING:
     from collections.abc import Generator
@@ -124,16 +125,31 @@ def _fitted(part: Observations, wishes: Wishes, narration: Console) -> Calibrati
     with narration.status("Fitting…"):
         from plumbline.fit.calibrate import calibrate
 
-        made = calibrate(
-            part,
-            model,
-            free=free,
-            hold=wishes.hold,
-            start=wishes.start,
-            residual=wishes.residual,
-            robust=wishes.robust,
-        )
+        how: dict[str, Any] = {
+            "model": model,
+            "free": free,
+            "hold": wishes.hold,
+            "start": wishes.start,
+            "residual": wishes.residual,
+        }
+        try:
+            made = calibrate(part, **how, robust=wishes.robust)
+        except DegenerateLinesError as error:
+            if not wishes.robust and (other := without_wrong_picks(part, **how)) is not None:
+                error.hint = f"{suspects_check(other).finding}: --robust fits the others"
+            raise
     return replace(made, remarks=(*made.remarks, *filter(None, notes)))
+
+
+def without_wrong_picks(part: Observations, **how: Any) -> Calibration | None:
+    """The robust fit where the plain one is refused; None if it finds no lens either."""
+    from plumbline.fit.calibrate import calibrate
+
+    try:
+        made = calibrate(part, **how, robust=True)
+    except PlumblineError:
+        return None
+    return made if made.converged else None
 
 
 def _again(made: Calibration, fits: int, narration: Console) -> Calibration:

@@ -158,7 +158,7 @@ def refuse_bent(
             f"the picks lie on no straight lines: even after the fit they stray by {sigma_px:,.0f} "
             f"px, those of line {lines[worst].label} by {spread[worst]:,.0f} px",
             hint="check that every pick is on its line, and that the photo's size (and --grid) is "
-            "right; --robust leaves single wrong picks out",
+            "right",
         )
 
 
@@ -175,7 +175,7 @@ def refuse_collapsed(lens: Lens, scale: float, folded: int) -> None:
     """
     hint = (
         "check that every pick is on its line and that the photo's size (and --grid) is right; "
-        "--robust leaves single wrong picks out; else free fewer coefficients, or add lines"
+        "else free fewer coefficients, or add lines"
     )
     if folded:
         raise CollapsedFitError(

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from plumbline.calibration import refuse_unsettled
+from plumbline.consistency import consistent_results
 from plumbline.errors import OptionError, ReadError, UnsettledError, WriteError
 from plumbline.facts import LensFacts
 from plumbline.files import RESULT, ZOOM, read_bytes, write_atomically
@@ -18,7 +19,6 @@ from plumbline.lenses.request import LensRequest
 from plumbline.lenses.sources import stored_lens_profile
 from plumbline.lenses.stored_files import stored_lenses
 from plumbline.lenses.zoom_json import StoredZoom
-from plumbline.result_reading import from_json
 from plumbline.wording import listed
 
 _MOST_FILES = 10_000
@@ -51,7 +51,7 @@ def add(path: str, *, overwrite: bool = False) -> Path:
         low, high = lens.range_mm
         name = _name(path, lens.facts, f"{low:g}-{high:g}mm")
     elif f'"{RESULT}"' in head:
-        made = list(from_json(source.text(), path))
+        made = list(consistent_results(source.text(), path))
         if len(made) != 1:
             raise OptionError(
                 f"{path} holds {len(made)} calibrations",

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from plumbline.consistency import consistent_results
 from plumbline.errors import printable
 from plumbline.facts import LensFacts
 from plumbline.files import RESULT
@@ -18,7 +19,6 @@ from plumbline.lens import Lens
 from plumbline.lenses.stored import StoredLens, of_calibration, projection_note
 from plumbline.models import CENTRE, get_model
 from plumbline.observations import MAX_SIDE
-from plumbline.result_reading import from_json
 
 KINDS = "a result JSON, a Hugin or PTGui project, or a Hugin lens .ini"
 
@@ -32,7 +32,8 @@ def stored_lenses(source: Source) -> tuple[StoredLens, ...]:
     """
     head = source.head.lstrip()
     if head.startswith("{") and f'"{RESULT}"' in head[:1024]:
-        return tuple(of_calibration(made) for made in from_json(source.text(), source.path))
+        results = consistent_results(source.text(), source.path)
+        return tuple(of_calibration(made) for made in results)
     if ptgui.FORMAT.recognises(source):
         return _of_images(source, ptgui.read_images(source))
     if pto.FORMAT.recognises(source):

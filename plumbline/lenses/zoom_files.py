@@ -11,6 +11,7 @@ import numpy as np
 
 from plumbline._version import __version__
 from plumbline.calibration import Calibration, refuse_unsettled
+from plumbline.consistency import consistent_results
 from plumbline.errors import OptionError, UnsupportedModelError
 from plumbline.files import MARK, RESULT, ZOOM, read_bytes, refuse_unknown_suffix
 from plumbline.formats.base import Source
@@ -23,7 +24,6 @@ from plumbline.lenses.zoom_join import join
 from plumbline.lenses.zoom_json import zoom_text
 from plumbline.lenses.zoom_needs import displacement_px
 from plumbline.models import CENTRE
-from plumbline.result_reading import from_json
 
 ZOOM_SUFFIXES = (".json", ".xml", ".txt")
 _BETWEEN = 8
@@ -55,7 +55,7 @@ def read_zoom_lens(
                 "this is no calibration written by plumbline",
                 hint="write one with plumbline fit POINTS -o result.json",
             )
-        calibrations += [(path, made) for made in from_json(source.text(), path)]
+        calibrations += [(path, made) for made in consistent_results(source.text(), path)]
     refuse_unsettled([made for _, made in calibrations])
     lens = join(calibrations, method, degree)
     given = {name: value for name, value in labels.items() if value is not None}

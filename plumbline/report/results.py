@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from plumbline.calibration import Calibration
+from plumbline.consistency import consistent_results
 from plumbline.files import ZOOM, read_bytes
 from plumbline.formats.base import Source
-from plumbline.result_reading import from_json
 
 
 def read_results(path: str) -> tuple[Calibration, ...]:
@@ -15,7 +13,7 @@ def read_results(path: str) -> tuple[Calibration, ...]:
 
     Raises:
         ReadError: the file is damaged or another one; a project or a LensFun file holds a lens,
-            but neither residuals nor errors; the lens cannot be that of the picks.
+            but neither residuals nor errors; lens, picks and residuals contradict each other.
     """
     source = Source(path, read_bytes(path))
     head = source.head.lstrip()
@@ -30,20 +28,4 @@ def read_results(path: str) -> tuple[Calibration, ...]:
             "this is a zoom lens, and a report is of the calibrations it was joined from",
             hint="plumbline report RESULT for each of them",
         )
-    calibrations = from_json(source.text(), path)
-    for made in calibrations:
-        if not _belongs_together(made):
-            raise source.error(
-                "the lens does not go with the picks it is said to be fitted to",
-                hint="fit again: plumbline fit POINTS -o building.json",
-            )
-    return calibrations
-
-
-def _belongs_together(made: Calibration) -> bool:
-    """Whether there are picks to judge by, and the lens reaches all of them without a fold."""
-    kept = np.concatenate(made.kept)
-    centre = float(made.lens.model.factor(np.float64(0.0), made.lens.vector))
-    used = sum(bool(which.any()) for which in made.kept)
-    dof = int(np.count_nonzero(kept)) - 2 * used - len(made.free)
-    return made.dof == dof and centre > 0 and np.array_equal(made.linearised.kept, kept)
+    return consistent_results(source.text(), path)

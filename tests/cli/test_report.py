@@ -132,6 +132,42 @@ def test_a_lens_that_is_not_that_of_its_picks(run: Run, result: str, damage: obj
 
 
 @pytest.mark.parametrize(
+    ("name", "place", "away", "sentence"),
+    [
+        ("coefficients", "b", 1e-5, "does not leave the picks the residuals that are stored"),
+        ("sigma_px", None, 0.01, "σ̂ is not that of the residuals"),
+        ("dof", None, 40, "degrees of freedom are not those of the picks"),
+        ("rms_corrected_px", None, 0.01, "error in the corrected photo"),
+    ],
+)
+@pytest.mark.parametrize("residual", ["image", "corrected"])
+def test_a_result_that_was_changed_by_hand(
+    run: Run, name: str, place: str | None, away: float, sentence: str, residual: str
+) -> None:
+    options = ("--free", "b", "--residual", residual)
+    assert run("fit", "building.pto", *options, "-o", "made.json").status == 0
+    assert run("report", "made.json").status == 0
+    whole = json.loads(Path("made.json").read_text())
+    holder, key = (whole, name) if place is None else (whole[name], place)
+    holder[key] += away
+    Path("changed.json").write_text(json.dumps(whole))
+    for words in (("report",), ("zoom",), ("lens", "add"), ("export", "--to", "opencv")):
+        done = run(*words, "changed.json")
+        assert done.status == 1, words
+        assert "this result was changed since it was written" in done.err
+        assert sentence in done.err
+        assert "fit again" in done.err
+
+
+@pytest.mark.parametrize("place", [0, 5])
+def test_residuals_that_were_changed_by_hand(run: Run, result: str, place: int) -> None:
+    whole = json.loads(Path(result).read_text())
+    whole["observations"]["lines"][0]["residuals_px"][place] += 0.01
+    Path("changed.json").write_text(json.dumps(whole))
+    assert "this result was changed" in run("report", "changed.json").err
+
+
+@pytest.mark.parametrize(
     ("words", "sentence", "remedy"),
     [
         (("--plot", "bend.svg"), "no figure 'bend'", "photo, lines, curve"),

@@ -6,6 +6,7 @@ import json
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from tests.cli.process import Run
@@ -91,6 +92,49 @@ def test_a_robust_fit_lists_what_it_leaves_out(run: Run) -> None:
     for name, error in good["standard_errors"].items():
         assert abs(made["coefficients"][name] - good["coefficients"][name]) < error
     assert made["command"].startswith("plumbline fit spoiled.csv")
+
+
+@pytest.fixture
+def garbage() -> str:
+    """Fourteen lines as a lens with r (1 - 0.03 r^2) shows them, one of them rubbish."""
+    rng = np.random.default_rng(1)
+    rows = ["line,x,y"]
+    for line in range(14):
+        along, across = np.linspace(50, 950, 9), np.full(9, 40 + 66 * line)
+        ideal = np.stack((along, across) if line % 2 else (across, along), axis=1)
+        q = (ideal - 499.5) / 500
+        picks = 499.5 + 500 * q * (1 - 0.03 * (q**2).sum(axis=1, keepdims=True))
+        if line == 4:
+            picks = rng.uniform(20, 980, (9, 2))
+        rows += [f"{line},{x:.2f},{y:.2f}" for x, y in picks + rng.normal(0, 0.2, (9, 2))]
+    Path("garbage.csv").write_text("\n".join(rows) + "\n")
+    return "garbage.csv"
+
+
+def test_check_names_the_picks_that_stop_the_plain_fit(run: Run, garbage: str) -> None:
+    done = run("check", garbage, "--size", "1000x1000")
+    assert done.status == 1
+    assert "of line 4 at (" in done.out
+    assert "9 picks of 126 left out as suspicious" in done.out
+    assert "plumbline fit --robust leaves them out" in done.err
+
+
+def test_a_refused_fit_names_robust_where_that_works(run: Run, garbage: str) -> None:
+    done = run("fit", garbage, "--size", "1000x1000")
+    assert done.status == 1
+    assert "9 picks of 126 left out as suspicious: --robust fits the others" in done.err
+    assert run("fit", garbage, "--size", "1000x1000", "--robust").status == 0
+
+
+def test_a_refused_fit_names_no_robust_where_it_does_not_help(run: Run) -> None:
+    rng = np.random.default_rng(2)
+    picks = [f"{line},{x},{y}" for line in range(6) for x, y in rng.uniform(1, 998, (6, 2))]
+    Path("noise.csv").write_text("line,x,y\n" + "\n".join(picks) + "\n")
+    for words in (("fit",), ("check",)):
+        done = run(*words, "noise.csv", "--size", "1000x1000")
+        assert done.status == 1
+        assert "--robust" not in done.err
+    assert run("fit", "noise.csv", "--size", "1000x1000", "--robust").status == 1
 
 
 def test_compare_recommends_and_says_why(run: Run) -> None:

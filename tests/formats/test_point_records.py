@@ -52,7 +52,7 @@ def test_control_points_and_all_other_lines_keep_their_rows(texts: list[str], at
 def test_the_row_of_a_bad_record_is_named(monkeypatch: pytest.MonkeyPatch, at_once: int) -> None:
     monkeypatch.setattr(point_records, "_AT_ONCE", at_once)
     texts = ["# hugin", USUAL, USUAL, "i w10 h10", USUAL.replace("y87.999336", "y1-2"), USUAL]
-    with pytest.raises(ReadError, match="line 5: '1-2'"):
+    with pytest.raises(ReadError, match="row 5: '1-2'"):
         take_points(script(*texts))
     points, rest = take_points(script(*(texts[i] for i in (0, 1, 2, 3, 5))))
     assert rest == [(1, "# hugin"), (4, "i w10 h10")]
@@ -62,7 +62,7 @@ def test_the_row_of_a_bad_record_is_named(monkeypatch: pytest.MonkeyPatch, at_on
 def test_of_two_bad_records_the_first_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(point_records, "_AT_ONCE", 2)
     bad = [USUAL.replace("t3", kind) for kind in ("t3.0", "t3-")]
-    with pytest.raises(ReadError, match=r"line 4: 't3\.0' is no whole number"):
+    with pytest.raises(ReadError, match=r"row 4: 't3\.0' is no whole number"):
         take_points(script(USUAL, USUAL, USUAL, *bad))
 
 

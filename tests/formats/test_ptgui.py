@@ -64,7 +64,7 @@ def test_whether_control_points_count_the_dummy(version: int, dummy: bool, shift
 
 
 def test_a_point_on_the_dummy_itself_is_refused_with_its_line() -> None:
-    with pytest.raises(ReadError, match=r"some\.pts, line 10: the control point refers to an im"):
+    with pytest.raises(ReadError, match=r"some\.pts, row 10: the control point refers to an im"):
         read(project(DUMMY, FIRST, line(0)))
 
 
@@ -119,18 +119,18 @@ def test_newer_projects_are_refused_by_name(text: str) -> None:
         (project(DUMMY), "there is no image in this project"),
         (project(), "there is no image in this project"),
         (project(DUMMY, FIRST), "there is no straight line in this project"),
-        (project(DUMMY, "o f0 a0\n", line(1)), "line 7: the image record has no '#-imgfile"),
-        (project(DUMMY, FIRST.replace("1712", "0"), line(1)), "line 9: the image has no size"),
+        (project(DUMMY, "o f0 a0\n", line(1)), "row 7: the image record has no '#-imgfile"),
+        (project(DUMMY, FIRST.replace("1712", "0"), line(1)), "row 9: the image has no size"),
         (
             project(DUMMY, FIRST.replace("a=0", "a=1"), line(1)),
-            "line 9: 'a=1' does not refer to an",
+            "row 9: 'a=1' does not refer to an",
         ),
-        (project(DUMMY, FIRST.replace("a=0", "aX"), line(1)), "line 9: 'X' stands where the value"),
-        (project(DUMMY, FIRST, line(2)), "line 10: the control point refers to an image"),
-        (project().replace("1.613", "big"), "line 3: 'big' stands where the crop factor belongs"),
+        (project(DUMMY, FIRST.replace("a=0", "aX"), line(1)), "row 9: 'X' stands where the value"),
+        (project(DUMMY, FIRST, line(2)), "row 10: the control point refers to an image"),
+        (project().replace("1.613", "big"), "row 3: 'big' stands where the crop factor belongs"),
         (
             project(DUMMY, FIRST.replace("e=0", "C-825,3993,-33,4785"), line(1)),
-            "line 9: the image has a crop (C)",
+            "row 9: the image has a crop (C)",
         ),
         ("# ptGui project file\0", "binary"),
         ("", "the file is empty"),

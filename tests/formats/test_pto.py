@@ -133,7 +133,7 @@ def test_the_crop_factor_belongs_to_the_next_image_only() -> None:
 
 @pytest.mark.parametrize("value", ["nan", "x", "inf"])
 def test_a_crop_factor_that_is_no_number(value: str) -> None:
-    with pytest.raises(ReadError, match=r"some\.pto, line 1: "):
+    with pytest.raises(ReadError, match=r"some\.pto, row 1: "):
         read(f"#-hugin cropFactor={value}\n" + image() + LINE)
 
 
@@ -241,7 +241,7 @@ def test_links_that_are_not_complete_do_not_share_a_lens() -> None:
 def test_crops() -> None:
     assert read(image(C="-10,110,-5,85") + LINE).photos[0].size == (100, 80)
     assert read(image(S="10,90,5,60") + LINE).photos[0].size == (100, 80)
-    with pytest.raises(ReadError, match=r"some\.pto, line 1: the image has a crop \(C\)"):
+    with pytest.raises(ReadError, match=r"some\.pto, row 1: the image has a crop \(C\)"):
         read(image(C="10,110,0,80") + LINE)
 
 
@@ -254,18 +254,18 @@ def test_crops() -> None:
         (HEAD + LINE, "there is no image in this project"),
         (image() + "c n0 N0 x1 y1 X2 Y2 t0\n", "no straight line in this project among its 1 "),
         (image(), "there is no straight line in this project"),
-        (image(w=0) + LINE, "line 1: the image has no size"),
-        ("i f0\n" + LINE, "line 1: the image has no size"),
-        (image() + "c n0 N0 x1 y1 X2 t3\n", "line 2: the control point lacks Y"),
-        (image() + "c n0 N0 x1 y1 X2 Yfoo t3\n", "line 2: 'foo' stands where a coordinate belongs"),
-        (image() + "c n0 N0 x1 y1 X2 Y1-2 t3\n", "line 2: '1-2' stands where a coordinate"),
-        (image() + "c n0 N0 x1 y1 X2 Ynan t3\n", "line 2: 'nan' is no finite number"),
-        (image() + "c n0 N0 x1 y1 X2 Y2 t-3\n", "line 2: 't-3' is no whole number"),
-        (image() + "c n-1 N0 x1 y1 X2 Y2 t3\n", "line 2: 'n-1' is no whole number"),
-        (image() + "c n0 N1 x1 y1 X2 Y2 t3\n", "line 2: the control point refers to an image"),
-        (image() + image(a="=1") + LINE, "line 2: 'a=1' does not refer to an earlier image"),
-        (image(a="=1") + image() + LINE, "line 1: 'a=1' does not refer to an earlier image"),
-        (image(b="huge") + LINE, "line 1: 'huge' stands where the value of b belongs"),
+        (image(w=0) + LINE, "row 1: the image has no size"),
+        ("i f0\n" + LINE, "row 1: the image has no size"),
+        (image() + "c n0 N0 x1 y1 X2 t3\n", "row 2: the control point lacks Y"),
+        (image() + "c n0 N0 x1 y1 X2 Yfoo t3\n", "row 2: 'foo' stands where a coordinate belongs"),
+        (image() + "c n0 N0 x1 y1 X2 Y1-2 t3\n", "row 2: '1-2' stands where a coordinate"),
+        (image() + "c n0 N0 x1 y1 X2 Ynan t3\n", "row 2: 'nan' is no finite number"),
+        (image() + "c n0 N0 x1 y1 X2 Y2 t-3\n", "row 2: 't-3' is no whole number"),
+        (image() + "c n-1 N0 x1 y1 X2 Y2 t3\n", "row 2: 'n-1' is no whole number"),
+        (image() + "c n0 N1 x1 y1 X2 Y2 t3\n", "row 2: the control point refers to an image"),
+        (image() + image(a="=1") + LINE, "row 2: 'a=1' does not refer to an earlier image"),
+        (image(a="=1") + image() + LINE, "row 1: 'a=1' does not refer to an earlier image"),
+        (image(b="huge") + LINE, "row 1: 'huge' stands where the value of b belongs"),
     ],
 )
 def test_every_refusal_names_file_and_line_and_a_remedy(text: str, sentence: str) -> None:
@@ -298,7 +298,7 @@ def test_projects_of_other_people(name: str) -> None:
     source = Source(str(path), path.read_bytes())
     with pytest.raises(ReadError) as caught:
         format_of(source).read(source, ReadOptions())
-    line = "line 7: " if name.startswith("sinky") else ""
+    line = "row 7: " if name.startswith("sinky") else ""
     where = f"{path}, {line}" if line else f"{path}: "
     assert caught.value.message == where + SHARED_FILES[name]
     assert caught.value.hint

@@ -92,21 +92,21 @@ def test_a_link_to_a_value_that_is_not_there_gives_none() -> None:
 
 @pytest.mark.parametrize("link", ["=1", "=2", "=-1", "=0.5", "=99999999999999999999"])
 def test_links_that_point_nowhere_or_forward_or_to_themselves(link: str) -> None:
-    with pytest.raises(ReadError, match=r"some\.pto, line 7: 'a=.*an earlier image") as caught:
+    with pytest.raises(ReadError, match=r"some\.pto, row 7: 'a=.*an earlier image") as caught:
         image(f"i w4 h3 a{link}", image("i w4 h3"))
     assert caught.value.hint
 
 
 @pytest.mark.parametrize("value", ["=", "=x", "=nan", "=inf", "=1_0", "=٣"])
 def test_links_that_are_no_number(value: str) -> None:
-    with pytest.raises(ReadError, match=r"some\.pto, line 7: "):
+    with pytest.raises(ReadError, match=r"some\.pto, row 7: "):
         image(f"i w4 h3 v{value}", image("i"))
 
 
 @pytest.mark.parametrize("value", ["nan", "inf", "-inf", "1e999", "x", "1,5", "{{p}}", "-", "1_0"])
 @pytest.mark.parametrize("name", list("whfvabcdegt"))
 def test_what_is_no_finite_number_is_refused_with_its_line(name: str, value: str) -> None:
-    with pytest.raises(ReadError, match=r"^some\.pto, line 7: '") as caught:
+    with pytest.raises(ReadError, match=r"^some\.pto, row 7: '") as caught:
         image(f"i w4 h3 {name}{value}")
     assert caught.value.line == 7
     assert caught.value.hint
@@ -114,7 +114,7 @@ def test_what_is_no_finite_number_is_refused_with_its_line(name: str, value: str
 
 @pytest.mark.parametrize("sides", ["", "w4", "h3", "w0 h3", "w-4 h3", "w4.5 h3", "w4 h0"])
 def test_a_size_that_is_missing_or_makes_no_sense(sides: str) -> None:
-    with pytest.raises(ReadError, match=r"line 7: the image has no size"):
+    with pytest.raises(ReadError, match=r"row 7: the image has no size"):
         size_of(SOURCE, image(f"i {sides} f0"))
 
 
@@ -228,7 +228,7 @@ def test_utf16_is_named() -> None:
 def test_absurd_sizes_are_refused_before_any_work() -> None:
     with pytest.raises(ReadError, match="has 2,000,002 lines"):
         records(Source("x.pto", b"i w4" + b"\n" * 2_000_001))
-    with pytest.raises(ReadError, match=r"x\.pto, line 2: the line has 100,001 characters"):
+    with pytest.raises(ReadError, match=r"x\.pto, row 2: the line has 100,001 characters"):
         records(Source("x.pto", b"p\ni" + b"x" * MAX_RECORD_LENGTH))
 
 
@@ -236,7 +236,7 @@ def test_the_length_of_a_line_is_counted_in_characters() -> None:
     accented = "i n" + "é" * (MAX_RECORD_LENGTH - 3)
     assert records(Source("x.pto", f"p\n{accented}".encode())) == ["p", accented]
     content = f"p\n{accented}é\ni{'x' * MAX_RECORD_LENGTH}".encode()
-    with pytest.raises(ReadError, match=r"x\.pto, line 2: the line has 100,001 characters"):
+    with pytest.raises(ReadError, match=r"x\.pto, row 2: the line has 100,001 characters"):
         records(Source("x.pto", content))
 
 

@@ -1,8 +1,9 @@
-"""Calibrations made up for tests: coefficients given, points that no fit was needed for."""
+"""Calibrations made up for tests: coefficients given, with residuals that go with them."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -40,7 +41,7 @@ def calibration(
     known = {usual: 0.001} if errors is None else errors
     free = tuple(known)
     spread = np.diag([error**2 for error in known.values()]).reshape(len(free), len(free))
-    points = np.array([[10.0, 10.0], [100.0, 12.0], [200.0, 10.0]])
+    points = np.array([[(0.3 + 0.03 * i) * size[0], 0.4 * size[1] + i % 2] for i in range(12)])
     observations = Observations(
         (Photo(size, name, pixel_aspect=pixel_aspect),),
         (Line(points, 0, "1"),),
@@ -50,7 +51,7 @@ def calibration(
             ),
         ),
     )
-    return Calibration(
+    made = Calibration(
         observations=observations,
         lens=Lens(kind, Frame(*size, pixel_aspect), every, focal_px),
         free=free,
@@ -58,11 +59,19 @@ def calibration(
         residual="image",
         covariance=spread if covariance is None else covariance,
         sigma_px=0.5,
-        dof=1,
-        residuals_px=(np.zeros(3),),
+        dof=len(points) - 2 - len(free),
+        residuals_px=(np.zeros(len(points)),),
         rms_corrected_px=0.0,
         converged=True,
         reason="converged",
+    )
+    linear = made.linearised
+    away_px = linear.image_px * linear.stretch
+    return replace(
+        made,
+        residuals_px=(linear.residual_px,),
+        sigma_px=float(np.sqrt(np.sum(linear.image_px**2) / made.dof)),
+        rms_corrected_px=float(np.sqrt(np.mean(away_px**2))),
     )
 
 
