@@ -14,7 +14,8 @@ from plumbline.report.photos import Found
 _SHOWS = {
     "photo": "The picks, the straight lines fitted to them as the lens shows them, and how far "
     "each pick lies from its line, magnified as stated",
-    "lines": "How far every line is from straight before the fit and after",
+    "lines": "How far every line is from straight before the fit and after, on a scale of equal "
+    "ratios (rms: root mean square of its picks)",
     "curve": "How far the lens displaces points outwards, relative to the scale at the centre "
     "(negative: towards the centre). Lines see neither scale nor place of the corrected photo: "
     "the band holds after the best common ones",

@@ -123,7 +123,8 @@ def checks(made: Calibration) -> Element:
     rows: list[list[Node]] = []
     for check in made.checks:
         verdict = _verdict(check)
-        remedy = tag("div", f"→ {check.remedy}", class_="bad") if check.remedy else None
+        kind = "doubtful" if check.passed else "bad"
+        remedy = tag("div", f"→ {check.remedy}", class_=kind) if check.remedy else None
         rows.append([check.name, verdict, tag("div", check.finding, remedy)])
     return table(("check", "", "finding and remedy"), rows, text=(0, 1, 2))
 
@@ -131,15 +132,17 @@ def checks(made: Calibration) -> Element:
 def _verdict(check: Check) -> Node:
     if check.passed and not check.doubtful:
         return "✓ good"
-    return tag("span", "? doubtful" if check.passed else "✗ bad", class_="bad")
+    if check.passed:
+        return tag("span", "? doubtful", class_="doubtful")
+    return tag("span", "✗ bad", class_="bad")
 
 
 def comparison(compared: Comparison) -> Iterator[Element]:
     """The models side by side, and the one to take."""
     chosen = compared.candidates[compared.recommended]
-    yield tag("p", tag("b", f"Recommended: {chosen.name}."), f" {compared.reason}")
-    for note in compared.notes:
-        yield tag("p", note)
+    yield tag("p", tag("b", f"Recommended: {chosen.name}."), f" {compared.reason}.")
+    if compared.notes:
+        yield tag("ul", *(tag("li", note) for note in compared.notes))
     head = (
         "model",
         "coefficients",
@@ -168,7 +171,8 @@ def _candidate(each: Candidate, index: int, compared: Comparison) -> list[Node]:
     made = each.calibration
     if made is None or each.aicc is None:
         return [model, each.failure, *figures(each, compared)]
-    return [model, ", ".join(coefficient_texts(made)), *figures(each, compared)]
+    values = tag("div", *(tag("div", text) for text in coefficient_texts(made)))
+    return [model, values, *figures(each, compared)]
 
 
 def quote(made: Calibration) -> Iterator[str]:

@@ -184,6 +184,21 @@ def test_checks_come_with_their_remedies() -> None:
     assert listed[3] == ["radius", "✗ bad", f"the picks end early→ pick more {SCRIPT}"]
 
 
+def test_doubtful_and_bad_checks_are_told_apart_by_colour_in_light_and_dark() -> None:
+    made = replace(building())
+    made.__dict__["checks"] = (Check("a", True, "b", doubtful=True), Check("c", False, "d", "e"))
+    text = page(made).decode()
+    assert '<span class="doubtful">? doubtful</span>' in text
+    assert '<span class="bad">✗ bad</span>' in text
+    names = [
+        re.findall(rf"^\.{kind} {{ color: var\((.*?)\)", text, re.MULTILINE)
+        for kind in ("doubtful", "bad")
+    ]
+    colours = [re.findall(rf"{name}: (#\w+);", text) for (name,) in names]
+    assert all(len(light_and_dark) == 2 for light_and_dark in colours)
+    assert not set(colours[0]) & set(colours[1])
+
+
 def test_a_line_left_out_as_a_whole_has_no_straightness() -> None:
     lines = rows(parsed(page(without_a_line())), "Straightness of the lines")
     assert lines[5] == ["5", "0", "9", "left out", "", ""]
@@ -201,6 +216,9 @@ def test_the_models_are_compared() -> None:
     assert table[3][1:3] == ["it did not settle", "no fit"]
     sentences = text(root.xpath("//h3[.='Models compared']/following-sibling::p[1]")[0])
     assert sentences.startswith(f"Recommended: ptlens b {SCRIPT}. b alone is enough")
+    assert sentences.endswith(".")
+    values = root.xpath("//h3[.='Models compared']/following::table[1]//tr[2]/td[2]/div/div")
+    assert [text(each)[:2] for each in values] == ["a ", "b ", "c "]
 
 
 def test_how_it_was_made() -> None:
