@@ -24,8 +24,8 @@ from plumbline.straightness import line_numbers
 _STEPS = np.array((0.03, 0.0375))
 _COARSEST, _FINEST_PX = 0.008, 0.6
 """σ to begin with as a share of R, and the one to end below."""
-_BEST, _STARTS = 24, 6
-_APART, _STARTS_APART = 2.0, 8.0
+_BEST, _STARTS = 32, 10
+_APART, _STARTS_APART = 6.0, 24.0
 _MOST_PICKS, _MOST_OF_LINE = 240, 16
 _CHUNK = 1 << 21
 _AROUND = np.array([(i, j) for i in (-1, 0, 1) for j in (-2, -1, 0, 1, 2)])
