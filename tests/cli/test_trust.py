@@ -114,7 +114,7 @@ def garbage() -> str:
 def test_check_names_the_picks_that_stop_the_plain_fit(run: Run, garbage: str) -> None:
     done = run("check", garbage, "--size", "1000x1000")
     assert done.status == 1
-    assert "of line 4 at (" in done.out
+    assert "9 picks of line 4 left out" in done.out
     assert "9 picks of 126 left out as suspicious" in done.out
     assert "plumbline fit --robust leaves them out" in done.err
 
