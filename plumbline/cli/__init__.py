@@ -6,11 +6,9 @@ import _thread
 import contextlib
 import io
 import os
-import signal
 import sys
 import threading
 from importlib import import_module
-from pathlib import Path
 
 import click
 
@@ -30,6 +28,9 @@ VERBS = {
     "models": "List the distortion models.",
     "cache": "Show or clear the cache of compiled programs.",
 }
+
+_STOPPED = 130
+"""Exit status after Ctrl-C: 128 and the signal's number, as shells have it."""
 
 _EXAMPLES = """\b
 Examples:
@@ -88,7 +89,7 @@ def _status() -> int:
         return error.exit_code
     except (click.Abort, KeyboardInterrupt):
         _complain("Stopped: no file was written but those named above")
-        return 128 + signal.SIGINT
+        return _STOPPED
     except PlumblineError as error:
         _complain(f"Error: {printable(error.message)}")
         if error.hint:
@@ -110,8 +111,8 @@ def _complain(sentence: str) -> None:
 
 def _drop_output() -> None:
     """Send what is still to be printed nowhere, or Python complains of it at the end."""
-    with contextlib.suppress(OSError, ValueError), Path(os.devnull).open("wb") as nowhere:
-        os.dup2(nowhere.fileno(), sys.stdout.fileno())
+    with contextlib.suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _interrupted_again(unraisable: sys.UnraisableHookArgs) -> None:
