@@ -1,7 +1,8 @@
 """The fit as JAX traces it: staged start, then Levenberg–Marquardt on all points.
 
 One program serves every problem of one model and one block shape: which coefficients are free,
-the start vector and the kind of residual are run-time arguments.
+the start vector and the kind of residual are run-time arguments. Only whether the distortion
+centre may be free is fixed, since nearly always it is not and two derivatives in five are saved.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from plumbline.fit.levenberg import PreciseLevenbergMarquardt
 from plumbline.fit.residual import residuals
 from plumbline.fit.start import staged_start
 from plumbline.fit.task import Solution, Task
+from plumbline.models import CENTRE
 from plumbline.models.base import Model
 from plumbline.models.inverse import REACH
 
@@ -26,11 +28,12 @@ _SMALL_STEP = 1e-4
 _MOST_STEPS = 200
 
 
-def minimise(model: Model, task: Task) -> Solution:
+def minimise(model: Model, centre: bool, task: Task) -> Solution:
     """Fit one problem.
 
     Args:
         model: The distortion model.
+        centre: Whether the distortion centre may be free.
         task: The problem, as arrays of JAX.
     """
     task = jax.tree.map(jnp.asarray, task)
@@ -38,7 +41,7 @@ def minimise(model: Model, task: Task) -> Solution:
     y0 = jnp.where(task.staged & task.free, found, task.start)
     solver = PreciseLevenbergMarquardt(rtol=_TOLERANCE, atol=_TOLERANCE)
     solution = optx.least_squares(
-        partial(_condensed, model),
+        partial(_condensed, model, centre),
         solver,
         y0,
         task,
@@ -84,44 +87,52 @@ class _Products(NamedTuple):
     cost: jax.Array
 
 
-@partial(jax.jit, static_argnums=0)
-def _products(model: Model, y: jax.Array, task: Task) -> _Products:
+@partial(jax.jit, static_argnums=(0, 1))
+def _products(model: Model, centre: bool, y: jax.Array, task: Task) -> _Products:
     def fitted(y: jax.Array) -> jax.Array:
         held = jnp.where(task.free, y, task.start)
         at = residuals(model, held, task.block, task.unit_px, REACH * task.corner)
         return jnp.where(task.image, at.image, at.corrected) / task.unit_px
 
     value, slope = jax.linearize(fitted, y)
-    jacobian = lax.map(slope, jnp.eye(y.shape[0]))
-    jacobian = jnp.where(task.free[:, None, None], jacobian, 0.0)
-    normal = jnp.einsum("irw,jrw->ij", jacobian, jacobian)
+    size = y.shape[0]
+    moving = size if centre else size - len(CENTRE)
+    jacobian = lax.map(slope, jnp.eye(size)[:moving])
+    jacobian = jnp.where(task.free[:moving, None, None], jacobian, 0.0)
+    rest = size - moving
+    normal = jnp.pad(jnp.einsum("irw,jrw->ij", jacobian, jacobian), (0, rest))
     normal = normal + jnp.diag(jnp.where(task.free, 0.0, 1.0))
-    gradient = jnp.einsum("irw,rw->i", jacobian, value)
+    gradient = jnp.pad(jnp.einsum("irw,rw->i", jacobian, value), (0, rest))
     return _Products(normal, gradient, jnp.sum(value * value))
 
 
-@partial(jax.custom_jvp, nondiff_argnums=(0,))
-def _condensed(model: Model, y: jax.Array, task: Task) -> tuple[jax.Array, _Products]:
+@partial(jax.custom_jvp, nondiff_argnums=(0, 1))
+def _condensed(model: Model, centre: bool, y: jax.Array, task: Task) -> tuple[jax.Array, _Products]:
     """A residual of k + 1 numbers that the solver cannot tell from that of all points.
 
     Levenberg–Marquardt sees a residual r and its derivative J only through rᵀr, Jᵀr and JᵀJ.
     The Cholesky factor of [J r]ᵀ[J r] gives k + 1 numbers with the same three products, however
     many points there are. The products come along as the second value.
     """
-    value, _, products = _condense(model, y, task)
+    value, _, products = _condense(model, centre, y, task)
     return value, products
 
 
 @_condensed.defjvp
 def _condensed_jvp(
-    model: Model, primals: tuple[jax.Array, Task], tangents: tuple[jax.Array, Task]
+    model: Model,
+    centre: bool,
+    primals: tuple[jax.Array, Task],
+    tangents: tuple[jax.Array, Task],
 ) -> tuple[Any, Any]:
-    value, jacobian, products = _condense(model, *primals)
+    value, jacobian, products = _condense(model, centre, *primals)
     return (value, products), (jacobian @ tangents[0], jax.tree.map(jnp.zeros_like, products))
 
 
-def _condense(model: Model, y: jax.Array, task: Task) -> tuple[jax.Array, jax.Array, _Products]:
-    products = _products(model, y, task)
+def _condense(
+    model: Model, centre: bool, y: jax.Array, task: Task
+) -> tuple[jax.Array, jax.Array, _Products]:
+    products = _products(model, centre, y, task)
     lower = jnp.linalg.cholesky(products.normal)
     top = jax.scipy.linalg.solve_triangular(lower, products.gradient, lower=True)
     rest = jnp.sqrt(jnp.maximum(products.cost - top @ top, 0.0))

@@ -20,9 +20,10 @@ from functools import cache, partial
 from importlib.metadata import version
 from pathlib import Path
 from threading import Lock
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
+import numpy as np
 from jax import export
 from platformdirs import user_cache_path
 
@@ -30,6 +31,7 @@ from plumbline.errors import WriteError
 from plumbline.files import write_atomically
 from plumbline.fit.blocks import Block
 from plumbline.fit.task import EMPTY_TASK, Residuals, Solution, Task
+from plumbline.models import CENTRE
 from plumbline.models.base import Model
 
 _DISTRIBUTIONS = ("jax", "jaxlib", "optimistix", "equinox", "lineax")
@@ -43,6 +45,19 @@ _QUICK: dict[str, str | bool] = {"xla_backend_optimization_level": "0"}
 """Optimising takes a second or two longer, and saves a millisecond a fit of few points."""
 
 Shapes = tuple[tuple[tuple[int, ...], str], ...]
+
+
+class Fit(NamedTuple):
+    """What a program is made for, beside shapes.
+
+    Attributes:
+        model: The distortion model.
+        centre: Whether the distortion centre may be free.
+    """
+
+    model: Model
+    centre: bool
+
 
 for _tuple in (Block, Residuals, Task, Solution):
     export.register_namedtuple_serialization(_tuple, serialized_name=f"plumbline.{_tuple.__name__}")
@@ -65,20 +80,21 @@ def program(model: Model, task: Task, batch: int | None) -> Callable[[Task], Sol
     Call it, and its result, with 64-bit numbers enabled (`jax.enable_x64`).
     """
     shapes = tuple((leaf.shape, str(leaf.dtype)) for leaf in jax.tree.leaves(task))
-    with _making((model, shapes, batch)):
-        return _program(model, shapes, batch)
+    fit = Fit(model, bool(np.any(task.free[..., -len(CENTRE) :])))
+    with _making((fit, shapes, batch)):
+        return _program(fit, shapes, batch)
 
 
 @cache
-def _program(model: Model, shapes: Shapes, batch: int | None) -> Callable[[Task], Solution]:
+def _program(fit: Fit, shapes: Shapes, batch: int | None) -> Callable[[Task], Solution]:
     folder = usable_folder()
-    name = f"{_key(model, shapes, batch)}.program"
+    name = f"{_key(fit, shapes, batch)}.program"
     exported = None
     if folder is not None:
         _keep_compiled(folder)
         exported = _loaded(folder / name)
     if exported is None:
-        exported = _made(model, shapes, batch)
+        exported = _made(fit, shapes, batch)
         if folder is not None:
             _save(folder / name, exported)
     lowered = jax.jit(exported.call).lower(_task_of(shapes))
@@ -124,10 +140,10 @@ def _task_of(shapes: Shapes) -> Task:
     return jax.tree.unflatten(jax.tree.structure(EMPTY_TASK), leaves)
 
 
-def _made(model: Model, shapes: Shapes, batch: int | None) -> export.Exported:
+def _made(fit: Fit, shapes: Shapes, batch: int | None) -> export.Exported:
     from plumbline.fit.minimise import minimise
 
-    one = partial(minimise, model)
+    one = partial(minimise, *fit)
     return export.export(jax.jit(one if batch is None else jax.vmap(one)))(_task_of(shapes))
 
 
@@ -154,10 +170,11 @@ def _keep_compiled(folder: Path) -> None:
         jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.1)
 
 
-def _key(model: Model, shapes: Any, batch: int | None) -> str:
+def _key(fit: Fit, shapes: Any, batch: int | None) -> str:
     """Stands for everything that the traced program depends on."""
     versions = [version(name) for name in _DISTRIBUTIONS]
-    parts = (model.label, shapes, batch, versions, jax.default_backend(), _sources())
+    made_for = fit.model.label, fit.centre, shapes, batch
+    parts = (made_for, versions, jax.default_backend(), _sources())
     return hashlib.sha256(repr(parts).encode()).hexdigest()
 
 

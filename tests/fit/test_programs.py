@@ -86,14 +86,16 @@ def test_two_processes_may_make_one_cache(tmp_path: Path) -> None:
 def test_a_program_of_other_code_or_another_version_is_not_taken(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    model = plumbline.get_model("ptlens")
-    key = programs._key(model, (), None)  # pyright: ignore[reportPrivateUsage]
-    assert key == programs._key(model, (), None)  # pyright: ignore[reportPrivateUsage]
+    fit = programs.Fit(plumbline.get_model("ptlens"), centre=False)
+    key = programs._key(fit, (), None)  # pyright: ignore[reportPrivateUsage]
+    assert key == programs._key(fit, (), None)  # pyright: ignore[reportPrivateUsage]
+    with_centre = fit._replace(centre=True)
+    assert key != programs._key(with_centre, (), None)  # pyright: ignore[reportPrivateUsage]
     monkeypatch.setattr(programs, "_sources", lambda: "other code")
-    assert key != programs._key(model, (), None)  # pyright: ignore[reportPrivateUsage]
+    assert key != programs._key(fit, (), None)  # pyright: ignore[reportPrivateUsage]
     monkeypatch.undo()
     monkeypatch.setattr(programs, "version", str.upper)
-    assert key != programs._key(model, (), None)  # pyright: ignore[reportPrivateUsage]
+    assert key != programs._key(fit, (), None)  # pyright: ignore[reportPrivateUsage]
 
 
 @pytest.mark.parametrize("rows", [32, 64])
