@@ -139,8 +139,10 @@ def agree(
         limit = reach * sigma_px
         agreeing = (_from_pairs(points, weight, first, second) < limit).astype(np.float64)
         for _ in range(_SETTLING):
-            drawn = _draw(points, weight, agreeing)
-            agreeing = _within(points, weight, drawn, agreeing, limit)
+            drawn, before = _draw(points, weight, agreeing), agreeing
+            agreeing = _within(points, weight, drawn, before, limit)
+            if np.array_equal(agreeing, before):
+                break
         drawn = _draw(points, weight, agreeing)
         credited = np.einsum("lpn,ln->lp", agreeing, worths[rows])
         gain = _gain(drawn, credited, worth, sigma_px)

@@ -104,8 +104,7 @@ def screen(picks: Picks) -> Screened:
         kept = np.abs(distance_px) < reach * sigma_px[picks.problem] * np.sqrt(room)
         kept &= (np.bincount(picks.line, kept, len(picks.sizes)) >= 2)[picks.line]
         lines = fit_lines(picks.ideal.uv, picks.sizes, kept.astype(np.float64))
-        distance_px = distances(picks, lines)
-        along, _ = lines.place(picks.ideal.uv, picks.line)
+        along, distance_px = _placed(picks, lines)
         spread = np.where(lines.spread > 0, lines.spread, np.inf)[picks.line]
         leverage = 1 / np.maximum(lines.count, 1.0)[picks.line] + along**2 / spread
         room = np.where(kept, np.maximum(1 - leverage, 0.05), 1 + leverage)
@@ -187,10 +186,15 @@ def within(lines: Lines, uv: Array, other: int) -> NDArray[np.bool_]:
 
 def distances(picks: Picks, lines: Lines) -> Array:
     """Distances in the photograph; infinite beyond the fold of the model."""
-    _, distance = lines.place(picks.ideal.uv, picks.line)
+    return _placed(picks, lines)[1]
+
+
+def _placed(picks: Picks, lines: Lines) -> tuple[Array, Array]:
+    """Positions along the lines in the corrected photo, and distances in the photograph."""
+    along, distance = lines.place(picks.ideal.uv, picks.line)
     with np.errstate(invalid="ignore", divide="ignore"):
         image = distance / across_stretch(picks.ideal, lines, picks.line)
-    return np.where(np.isfinite(image), image, np.inf)
+    return along, np.where(np.isfinite(image), image, np.inf)
 
 
 def _middle(picks: Picks, distance_px: Array, exact: int) -> Array:
