@@ -241,7 +241,8 @@ def growth_rows(_: Path) -> list[Row]:
 def batch_row(scratch: Path) -> list[Row]:
     """`calibrate_many` on 10,000 projects against Hugin's optimiser, two processes at a time."""
     made = [observations(15, 11, seed) for seed in range(10_000)]
-    plumbline.calibrate_many(made[:130])
+    # So many that suspicious ones are among them, whose robust fit has a program of its own.
+    plumbline.calibrate_many(made[:640])
     ours = len(made) / timed(lambda: plumbline.calibrate_many(made))
     rows = [Row("10,000 projects of 165 points", ours, None, "fits/s", "≥ 1,500", ours >= 1500, "")]
     if shutil.which("autooptimiser") is None:
