@@ -16,8 +16,6 @@ converge is no exception: see `Calibration.converged`.
 
 from __future__ import annotations
 
-from collections.abc import Generator
-from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -38,15 +36,19 @@ class PlumblineError(Exception):
         self.hint = hint
 
 
-@contextmanager
-def about(what: str) -> Generator[None]:
-    """Begin the sentence of an error that is raised here with what it is about."""
-    try:
-        yield
-    except PlumblineError as error:
-        error.message = f"{what}{error.message}"
-        error.args = (error.message,)
-        raise
+class About:
+    """Begins the sentences of errors that are raised within it with what they are about."""
+
+    def __init__(self, what: str) -> None:
+        self._what = what
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        if isinstance(error, PlumblineError):
+            error.message = f"{self._what}{error.message}"
+            error.args = (error.message,)
 
 
 def printable(text: str) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from math import isfinite
 
 import numpy as np
@@ -56,7 +57,7 @@ class Lens:
                 "--focal and --crop-factor",
             )
 
-    @property
+    @cached_property
     def unit_px(self) -> float:
         """Square pixels to a normalised radius of 1."""
         if self.model.unit == "focal length" and self.focal_px:

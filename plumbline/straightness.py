@@ -82,7 +82,7 @@ def line_numbers(sizes: NDArray[np.int64]) -> NDArray[np.int64]:
 def by_line(values: NDArray[_T], sizes: NDArray[np.int64]) -> tuple[NDArray[_T], ...]:
     """Values of picks that stand line after line, as one array a line."""
     ends = np.cumsum(sizes).tolist()
-    return tuple(values[end - size : end] for end, size in zip(ends, sizes.tolist(), strict=True))
+    return tuple(map(values.__getitem__, map(slice, [0, *ends], ends)))
 
 
 def drawn_through(kept: NDArray[np.bool_], sizes: NDArray[np.int64]) -> NDArray[np.bool_]:

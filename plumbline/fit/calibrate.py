@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from plumbline.calibration import Calibration, ResidualKind
-from plumbline.errors import CollapsedFitError, DegenerateLinesError, PlumblineError, about
+from plumbline.errors import About, CollapsedFitError, DegenerateLinesError, PlumblineError
 from plumbline.fit.blocks import shape_of
 from plumbline.fit.outcome import finish, finish_many
 from plumbline.fit.problem import Problem, Start, prepare, prepare_many
@@ -152,7 +152,7 @@ def _finished(
         return [made if other is None else _accused(made, other) for made, other in plain]
     made: list[Calibration] = []
     for problem, solution, other, name in zip(problems, solutions, found, names, strict=True):
-        with about(name):
+        with About(name):
             one = finish(problem, solution) if other is None else _suspecting(other)
         made.append(replace(one, robust=True))
     return made

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from plumbline.calibration import Calibration
-from plumbline.errors import about
+from plumbline.errors import About
 from plumbline.fit.blocks import unpack
 from plumbline.fit.problem import Problem
 from plumbline.fit.refusals import (
@@ -61,7 +61,7 @@ def finish_many(
     made: list[Calibration] = []
     every = zip(problems, solutions, np.split(residuals_px, ends), names, strict=True)
     for index, (problem, solution, residual_px, name) in enumerate(every):
-        with about(name):
+        with About(name):
             lens, radius_px = lens_of(problem, solution), problem.blank.frame.radius_px
             refuse_collapsed(lens, float(solution.scale), int(solution.folded))
             sigma_px = float(np.sqrt(residual_px @ residual_px / problem.dof))

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plumbline.calibration import ResidualKind
-from plumbline.errors import DegenerateLinesError, OptionError, about
+from plumbline.errors import About, DegenerateLinesError, OptionError
 from plumbline.facts import LensFacts
 from plumbline.fit.blocks import Packed, pack, unpack
 from plumbline.fit.options import Plan, plan
@@ -100,7 +100,7 @@ def prepare_many(
     plans: list[Plan] = []
     blanks: list[Lens] = []
     for each, name in zip(observations, names, strict=True):
-        with about(name):
+        with About(name):
             made, blank = _planned(each, model, chosen, held, start)
         plans.append(made)
         blanks.append(blank)
@@ -108,7 +108,7 @@ def prepare_many(
     points = unpack(packed, [each.block.xy for each in packed])
     if not np.all(np.isfinite(points)):
         for each, name in zip(observations, names, strict=True):
-            with about(name):
+            with About(name):
                 each.checked()  # says which point it is
     problems = [
         _problem(each, made, blank, block, residual, name)
@@ -149,7 +149,7 @@ def _problem(
 ) -> Problem:
     model, unit_px = blank.model, blank.unit_px
     radius = blank.frame.radius_px / unit_px
-    with about(name):
+    with About(name):
         n_points, n_lines = len(packed.cells), len(packed.sizes)
         dof = degrees_of_freedom(n_points, n_lines, len(chosen.free))
     to_px = np.ones(len(model.coefficients) + 2)
@@ -182,7 +182,7 @@ def _refuse_blind(problems: Sequence[Problem], points: Array, names: Sequence[st
     for problem, name, end in zip(problems, names, ends, strict=True):
         own = slice(first, end)
         first = end
-        with about(name):
+        with About(name):
             refuse_blind(
                 distance[own],
                 half_length[own],
