@@ -858,7 +858,8 @@ def test_an_interrupt_ends_without_a_traceback(tmp_path: Path, delay: float) -> 
     out, err = running.communicate(timeout=120)
     assert b"Traceback" not in err
     assert b"Abort" not in err
-    assert running.returncode == 130
+    # Python ends by the signal itself where it fell into code made from text; shells say 130.
+    assert running.returncode in (130, -signal.SIGINT)
     assert err.endswith(b"Stopped: no file was written but those named above.\n")
     assert out == b""
     assert sorted(path.name for path in tmp_path.iterdir() if path.name != "cache") == ["x.pto"]
