@@ -63,6 +63,8 @@ class Row:
         ratio: Root mean square error over that of the informed fit.
         median: The same of the medians.
         worst: Largest error of one trial, over the informed fit's root mean square.
+        displaced: How many picks were displaced.
+        good: How many picks were good.
         named: Share of the displaced picks that were named.
         good_named: Share of the good picks that were.
     """
@@ -75,6 +77,8 @@ class Row:
     ratio: float
     median: float
     worst: float
+    displaced: int
+    good: int
     named: float
     good_named: float
 
@@ -86,6 +90,34 @@ class Row:
             and self.named >= LEAST_NAMED
             and self.good_named < MOST_GOOD_NAMED[self.share]
         )
+
+
+def pooled(rows: Sequence[Row]) -> Row:
+    """All groups of one spoiler and share together, every group's error over its own level."""
+    displaced, good = (np.array([getattr(row, n) for row in rows]) for n in ("displaced", "good"))
+    return Row(
+        group="all groups",
+        spoiler=rows[0].spoiler,
+        share=rows[0].share,
+        failures=tuple(sentence for row in rows for sentence in row.failures),
+        folded=sum(row.folded for row in rows),
+        ratio=float(np.sqrt(np.mean([row.ratio**2 for row in rows]))),
+        median=float(np.median([row.median for row in rows])),
+        worst=max(row.worst for row in rows),
+        displaced=int(displaced.sum()),
+        good=int(good.sum()),
+        named=float(displaced @ [row.named for row in rows] / displaced.sum()),
+        good_named=float(good @ [row.good_named for row in rows] / good.sum()),
+    )
+
+
+def shown(row: Row) -> str:
+    """One line of the table."""
+    return (
+        f"{row.group:34} {row.spoiler:18} {row.share:5.0%} {len(row.failures):5} {row.folded:5} "
+        f"{row.ratio:7.3f} {row.median:7.3f} {row.worst:8.2f} {100 * row.named:7.2f} "
+        f"{100 * row.good_named:6.2f}  {'met' if row.met else 'NOT MET'}"
+    )
 
 
 def informed(group: Group, spoiled: Spoiled) -> plumbline.Calibration:
@@ -116,7 +148,7 @@ def compare(group: Group, spoiler: str, share: float, trials: int, fit_robust: F
         else:
             errors.append((_error_px(group, robust), informed_px))
             named.append(_flags(group, suspects))
-    good, displaced = _rates(group, drawn, named)
+    bad, displaced, flags = _judged(group, drawn, named)
     ours, told = (np.array(column) for column in zip(*errors, strict=True))
     level = np.sqrt(np.mean(told**2))
     return Row(
@@ -128,8 +160,10 @@ def compare(group: Group, spoiler: str, share: float, trials: int, fit_robust: F
         ratio=float(np.sqrt(np.mean(ours**2)) / level),
         median=float(np.median(ours) / np.median(told)),
         worst=float(np.max(ours) / level),
-        named=displaced,
-        good_named=good,
+        displaced=int(np.count_nonzero(displaced)),
+        good=int(np.count_nonzero(~bad)),
+        named=float(np.mean(flags[displaced])),
+        good_named=float(np.mean(flags[~bad])),
     )
 
 
@@ -148,14 +182,13 @@ def _flags(group: Group, suspects: Iterable[tuple[int, int]]) -> NDArray[np.bool
     return flags
 
 
-def _rates(
+def _judged(
     group: Group, drawn: Sequence[Spoiled], named: Sequence[NDArray[np.bool_]]
-) -> tuple[float, float]:
-    """Shares of the good picks and of the displaced ones that were named."""
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_], NDArray[np.bool_]]:
+    """Which picks of all trials were bad, displaced, and named, shape (trials, n) each."""
     points: Array = np.stack([each.points_px for each in drawn])
     bad, flags = np.stack([each.bad for each in drawn]), np.stack(named)
-    displaced = bad & (across_px(group, points) > DISPLACED * group.noise_px)
-    return float(np.mean(flags[~bad])), float(np.mean(flags[displaced]))
+    return bad, bad & (across_px(group, points) > DISPLACED * group.noise_px), flags
 
 
 def plain(
@@ -191,21 +224,12 @@ def main(fit_robust: FitRobust = robust) -> None:
         for spoiler in SPOILERS:
             for share in SHARES:
                 rows.append(one := compare(group, spoiler, share, chosen.trials, fit_robust))
-                print(
-                    f"{one.group:34} {one.spoiler:18} {one.share:5.0%} {len(one.failures):5} "
-                    f"{one.folded:5} "
-                    f"{one.ratio:7.3f} {one.median:7.3f} {one.worst:8.2f} {100 * one.named:7.2f} "
-                    f"{100 * one.good_named:6.2f}  {'met' if one.met else 'NOT MET'}",
-                    flush=True,
-                )
+                print(shown(one), flush=True)
                 for sentence in one.failures[:3]:
                     print("    failed,", sentence)
     for spoiler in SPOILERS:
         for share in SHARES:
-            some = [row for row in rows if (row.spoiler, row.share) == (spoiler, share)]
-            ratio = float(np.sqrt(np.mean([row.ratio**2 for row in some])))
-            verdict = "met" if ratio <= MOST_ERROR[share] else "NOT MET"
-            print(f"{share:.0%} {spoiler}: pooled ratio {ratio:.3f}, {verdict}")
+            print(shown(pooled([r for r in rows if (r.spoiler, r.share) == (spoiler, share)])))
     if chosen.json:
         chosen.json.write_text(json.dumps([asdict(row) for row in rows], indent=2) + "\n")
 

@@ -9,7 +9,7 @@ import plumbline
 from plumbline.errors import DegenerateLinesError
 from tests.benchmarks.groups import ALIKE
 from tests.benchmarks.simulated import Group
-from tests.benchmarks.spoiled import GROUPS, compare, plain
+from tests.benchmarks.spoiled import GROUPS, Row, compare, plain, pooled
 from tests.benchmarks.spoiling import SPOILERS, across_px, bent, misplaced, moved, neighbour
 
 GROUP = GROUPS[0]
@@ -110,3 +110,13 @@ def test_a_fit_that_raises_is_kept_in_view() -> None:
     assert one.failures == ("trial 0: no", "trial 1: no")
     assert one.ratio == np.inf
     assert not one.met
+
+
+def test_groups_are_pooled_by_their_picks_and_none_of_their_failures_is_lost() -> None:
+    one = Row("one", "moved", 0.1, ("trial 3: no",), 1, 1.0, 1.0, 2.0, 10, 100, 0.9, 0.0)
+    two = Row("two", "moved", 0.1, (), 2, 7.0, 3.0, 5.0, 30, 300, 1.0, 0.02)
+    both = pooled([one, two])
+    assert (both.failures, both.folded, both.worst) == (("trial 3: no",), 3, 5.0)
+    assert both.ratio == pytest.approx(5.0)
+    assert both.named == pytest.approx(39 / 40)
+    assert both.good_named == pytest.approx(6 / 400)
