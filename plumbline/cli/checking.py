@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
@@ -83,7 +83,8 @@ def _refused(
     if other is None:
         return Checked(before, error=error)
     error.hint = "look at the suspicious picks; plumbline fit --robust leaves them out"
-    return Checked((*before, suspects_check(other)), other.suspects, error)
+    suspicious = suspects_check(replace(other, robust=False))
+    return Checked((*before, suspicious), other.suspects, error)
 
 
 def as_dict(checked: Checked) -> dict[str, Any]:

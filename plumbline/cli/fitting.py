@@ -136,7 +136,8 @@ def _fitted(part: Observations, wishes: Wishes, narration: Console) -> Calibrati
             made = calibrate(part, **how, robust=wishes.robust)
         except DegenerateLinesError as error:
             if not wishes.robust and (other := without_wrong_picks(part, **how)) is not None:
-                error.hint = f"{suspects_check(other).finding}: --robust fits the others"
+                finding = suspects_check(replace(other, robust=False)).finding
+                error.hint = f"{finding}: --robust fits the others"
             raise
     return replace(made, remarks=(*made.remarks, *filter(None, notes)))
 

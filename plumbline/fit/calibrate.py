@@ -99,7 +99,7 @@ def calibrate_many(
         One calibration each, in the same order, the same as `calibrate` gives.
 
     Raises:
-        PlumblineError: as `calibrate`, for the first lens that fails; the sentence names its
+        PlumblineError: as `calibrate`, for one of the lenses that fail; the sentence names its
             number from 0. None of the results is returned then.
     """
     chosen, held = None if free is None else tuple(free), tuple(hold)

@@ -77,8 +77,8 @@ def compare(
     Args:
         observations: Photos and lines of one lens.
         done: Called after each fit, for progress.
-        robust: Compare on the picks that a robust fit of ptlens a, b, c believes, and make the
-            recommended fit a robust one.
+        robust: Compare on the picks that a robust fit of ptlens a, b, c (of b alone where there
+            is none) believes, and make the recommended fit a robust one.
 
     Returns:
         The table and the recommendation.
@@ -126,16 +126,33 @@ def compare(
 
 
 def _believed(observations: Observations) -> Observations:
-    """The picks that a robust fit believes, for a comparison that wrong ones do not decide."""
-    return calibrate(observations, free=("a", "b", "c"), robust=True).kept_observations
+    """The picks that a robust fit believes, for a comparison that wrong ones do not decide.
+
+    Raises:
+        DegenerateLinesError: there is no robust fit.
+    """
+    found = _robust(observations)
+    if isinstance(found, PlumblineError):
+        raise _refusal(observations, found.message)
+    return found.kept_observations
+
+
+def _robust(observations: Observations) -> Calibration | PlumblineError:
+    """The robust fit of the richest model that has one, or why even b alone has none."""
+    try:
+        return calibrate(observations, free=("a", "b", "c"), robust=True)
+    except PlumblineError:
+        pass
+    try:
+        return calibrate(observations, free=("b",), robust=True)
+    except PlumblineError as error:
+        return error
 
 
 def _refusal(observations: Observations, failure: str) -> DegenerateLinesError:
     """Why no model can be fitted, and which picks a robust fit finds wrong."""
-    try:
-        suspects = calibrate(observations, free=("a", "b", "c"), robust=True).suspects
-    except PlumblineError:
-        suspects = ()
+    found = _robust(observations)
+    suspects = () if isinstance(found, PlumblineError) else found.suspects
     worst_first = sorted(suspects, key=lambda each: -each.residual_px)
     wrong = [each.sentence for each in worst_first if each.left_out]
     if not wrong:
@@ -152,11 +169,13 @@ def _refusal(observations: Observations, failure: str) -> DegenerateLinesError:
 
 def picked_range_px(made: Calibration) -> Array:
     """Points all over the photo, as far out as picks reach, shape (n, 2)."""
-    lens = made.lens
-    grid = grid_px(lens, _GRID)
-    picks = np.concatenate(in_frame(made.observations, lens.frame))
-    reached = float(np.max(np.hypot(*lens.frame.normalise(picks).T)))
-    return grid[np.hypot(*lens.frame.normalise(grid).T) <= reached]
+    frame = made.lens.frame
+    grid = frame.normalise(grid_px(made.lens, _GRID))
+    picks = frame.normalise(np.concatenate(in_frame(made.observations, frame)))
+    reached = float(np.max(np.hypot(*picks.T)))
+    # Where no pick comes near the photo's edges the grid is laid over what they reach.
+    grid *= np.minimum(1.0, reached / np.max(grid, axis=0))
+    return frame.to_pixels(grid[np.hypot(*grid.T) <= reached])
 
 
 def _prepared(observations: Observations, row: _Row) -> Problem:

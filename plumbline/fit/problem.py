@@ -205,7 +205,13 @@ def _common_frame(observations: Observations, chosen: Plan, model: Model) -> Fra
     frames = [photo.frame for photo in observations.photos]
     first = frames[0]
     for photo, frame in zip(observations.photos, frames, strict=True):
-        turned = frame.pixel_aspect == 1 and frame.size == first.size[::-1]
+        turned = frame.pixel_aspect == first.pixel_aspect == 1 and frame.size == first.size[::-1]
+        if frame.pixel_aspect != first.pixel_aspect:
+            raise OptionError(
+                f"the photos of one lens have contradictory pixels: {first.pixel_aspect:g} and "
+                f"{frame.pixel_aspect:g} times as wide as high",
+                hint="fit them one at a time (--image N)",
+            )
         if frame != first and not turned:
             raise OptionError(
                 f"the photos of one lens have contradictory sizes: {first.width}x{first.height} "

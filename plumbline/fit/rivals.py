@@ -20,8 +20,8 @@ def excuses(
 ) -> Array:
     """Logarithms of how much likelier wrong picks are where they are than anywhere, shape (n,).
 
-    Only picks of lines that leave some of theirs out are in question, and lines with no fewer
-    believed picks than their own.
+    Only picks of lines that leave some of theirs out are in question, and lines with more believed
+    picks than their own.
 
     Args:
         picks: The picks of one problem.

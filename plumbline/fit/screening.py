@@ -158,7 +158,8 @@ def _least_median(
 @cache
 def pairs(n: int, most: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Pairs of picks to draw lines through: all of few, else some that lie well apart."""
-    first, second = np.triu_indices(n, 1)
+    picks = np.unique(np.linspace(0, n - 1, min(n, _MOST_VOTES)).astype(np.int64))
+    first, second = (picks[each] for each in np.triu_indices(len(picks), 1))
     if len(first) > most:
         far = second - first >= n / 3
         first, second = first[far], second[far]

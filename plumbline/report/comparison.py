@@ -33,7 +33,8 @@ def print_comparison(console: Console, comparison: Comparison) -> None:
     _print_suspects(console, comparison.calibration)
     fitted = f"--model {chosen.model} --free {','.join(chosen.free)}"
     same = "" if chosen.name.startswith(chosen.model) else f" (the same as {chosen.name})"
-    _print(console, f"Fit it with {fitted}{same}, or with --model auto")
+    robust = " --robust" if comparison.calibration.robust else ""
+    _print(console, f"Fit it with {fitted}{robust}{same}, or with --model auto{robust}")
 
 
 def _print_suspects(console: Console, made: Calibration) -> None:

@@ -115,14 +115,14 @@ def test_check_names_the_picks_that_stop_the_plain_fit(run: Run, garbage: str) -
     done = run("check", garbage, "--size", "1000x1000")
     assert done.status == 1
     assert "9 picks of line 4 left out" in done.out
-    assert "9 picks of 126 left out as suspicious" in done.out
+    assert "9 picks of 126 are suspicious" in done.out
     assert "plumbline fit --robust leaves them out" in done.err
 
 
 def test_a_refused_fit_names_robust_where_that_works(run: Run, garbage: str) -> None:
     done = run("fit", garbage, "--size", "1000x1000")
     assert done.status == 1
-    assert "9 picks of 126 left out as suspicious: --robust fits the others" in done.err
+    assert "9 picks of 126 are suspicious: --robust fits the others" in done.err
     assert run("fit", garbage, "--size", "1000x1000", "--robust").status == 0
 
 
@@ -203,3 +203,13 @@ def test_a_bootstrap_of_nearly_no_fits_makes_no_sense(run: Run) -> None:
     assert done.status == 2
     assert "5 is not in the range 50<=x<=100000" in done.err
     assert not Path("building.fit.pto").exists()
+
+
+def test_what_compare_recommends_of_believed_picks_is_fitted_robustly(
+    run: Run, garbage: str
+) -> None:
+    done = run("compare", garbage, "--size", "1000x1000", "--robust")
+    assert done.status == 0
+    advice = done.out.splitlines()[-1]
+    assert advice.startswith("Fit it with --model")
+    assert advice.count("--robust") == 2

@@ -113,3 +113,12 @@ def test_of_one_edge_picked_twice_both_lines_are_contested() -> None:
     photos = np.zeros(3, dtype=np.int64)
     assert contested(picks, made, photos, REACH * SIGMA_PX).tolist() == [True, True, False]
     assert not contested(picks, made, np.arange(3), REACH * SIGMA_PX).any()
+
+
+def test_a_line_of_very_many_picks_is_judged_in_little_memory() -> None:
+    """Pairs of some of its picks propose lines; a hundred million pairs would not fit."""
+    line = edge(20_000)
+    line[7_000, 1] += 40.0
+    made = judged([line])
+    assert np.flatnonzero(made.wrong).tolist() == [7_000]
+    assert np.count_nonzero(made.kept) > 19_900

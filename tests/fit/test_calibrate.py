@@ -618,3 +618,12 @@ def test_the_line_that_strays_most_is_named() -> None:
     refuse_bent(20.0, 750.0, lines, [good, bad])
     with pytest.raises(DegenerateLinesError, match="those of line sill by 106 px"):
         refuse_bent(53.0, 750.0, lines, [good, bad])
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_photos_of_other_pixels_are_refused_in_either_order(order: int) -> None:
+    photos = (Photo((1000, 1000), pixel_aspect=1.5), Photo((1000, 1000)))[::order]
+    edge = np.array([[10.0, 12], [200, 9], [390, 12]])
+    both = plumbline.Observations(photos, (Line(edge, 0, "1"), Line(edge, 1, "2")))
+    with pytest.raises(OptionError, match="contradictory pixels"):
+        plumbline.calibrate(both)

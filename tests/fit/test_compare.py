@@ -371,3 +371,24 @@ def test_a_pick_beyond_the_fold_does_not_spoil_the_derivatives_of_its_line() -> 
     assert beside.kept.tolist() == [True] * 8 + [False]
     assert np.allclose(beside.jacobian[:8], alone.jacobian, rtol=1e-12, atol=1e-9)
     assert np.allclose(beside.residual_px[:8], alone.residual_px, rtol=1e-12, atol=1e-9)
+
+
+def test_picks_in_the_middle_of_the_photo_have_errors_too() -> None:
+    """The range of the picks holds points, however small it is."""
+    shown = TrueLens("division", {"l1": -0.1}, (1000, 800))
+    far = np.array([(6000 - 1000) / 2, (4000 - 800) / 2])
+    lines = [points + far for points in shown.lines(noise_px=0.1, seed=1)]
+    found = compare(Observations.from_arrays(lines, (6000, 4000)))
+    points = picked_range_px(found.calibration)
+    assert len(points) > 100
+    assert np.ptp(points, axis=0).min() > 600
+    assert (taken(found).error_px or 0) > 0.01
+    assert (taken(found).overall_error_px or 0) > 0.01
+
+
+def test_few_picks_are_compared_robustly_as_far_as_they_go() -> None:
+    """Three lines of three picks carry no a, b, c; b alone tells which to believe."""
+    shown = TrueLens("ptlens", {"b": -0.03}, (1000, 800))
+    few = [points[::5][:3] for points in shown.lines(noise_px=0.1, seed=2)[:3]]
+    picks = Observations.from_arrays(few, (1000, 800))
+    assert compare(picks, robust=True).candidates[0].free == ("b",)
