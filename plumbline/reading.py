@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path, PurePath
 
 from plumbline.calibration import Calibration
+from plumbline.consistency import consistent_results
 from plumbline.errors import OptionError, ReadError
 from plumbline.facts import LensFacts
 from plumbline.files import read_bytes
@@ -21,7 +22,6 @@ from plumbline.photos import (
     photo_beside,
     with_exif,
 )
-from plumbline.result_reading import from_json
 
 _ONE_FIELD_OF_VIEW = 0.02
 _GIVE_SIZE = ", or the size alone with --size WIDTHxHEIGHT"
@@ -199,16 +199,16 @@ def read_calibrations(path: str | Path) -> tuple[Calibration, ...]:
     """Read the calibrations of a JSON file that plumbline wrote, one a lens.
 
     Raises:
-        ReadError: it is missing, damaged or no such file.
+        ReadError: it is missing, damaged or no such file, or was changed since it was written.
     """
-    return from_json(Source(str(path), read_bytes(path)).text(), str(path))
+    return consistent_results(Source(str(path), read_bytes(path)).text(), str(path))
 
 
 def read_calibration(path: str | Path) -> Calibration:
     """Read the one calibration of a JSON file that plumbline wrote.
 
     Raises:
-        ReadError: it is missing, damaged, no such file, or holds several lenses.
+        ReadError: as `read_calibrations`, or it holds several lenses.
     """
     found = read_calibrations(path)
     if len(found) != 1:

@@ -30,6 +30,7 @@ from plumbline.resampling import Bootstrap
 from plumbline.result_json import to_json
 from plumbline.result_reading import from_json
 from plumbline.suspect import Suspect
+from tests.lenses.made import calibration as consistent
 from tests.report.made import building, without_a_line
 
 THIRD = 1 / 3
@@ -237,16 +238,26 @@ def test_there_and_back_is_exact(count: int, tmp_path: Path) -> None:
             o.sha256 for o in old.observations.origins
         ]
     path = plumbline.write(made, tmp_path / "x.json")
-    assert plumbline.read_calibrations(path)[0].coefficients == made[0].coefficients
+    back = from_json(path.read_text(encoding="utf-8"), str(path))
+    assert back[0].coefficients == made[0].coefficients
 
 
 def test_one_calibration_of_a_file_of_several_is_not_chosen_silently(tmp_path: Path) -> None:
-    path = plumbline.write([calibration(), calibration()], tmp_path / "x.json")
+    made = consistent(b=-0.02)
+    path = plumbline.write([made, made], tmp_path / "x.json")
     with pytest.raises(ReadError, match="holds 2 calibrations") as caught:
         plumbline.read_calibration(path)
     assert "read_calibrations" in caught.value.hint
-    one = plumbline.write(calibration(), tmp_path / "y.json")
+    assert len(plumbline.read_calibrations(path)) == 2
+    one = plumbline.write(made, tmp_path / "y.json")
     assert plumbline.read_calibration(one).model == "ptlens"
+
+
+def test_a_calibration_that_was_edited_is_not_read(tmp_path: Path) -> None:
+    path = plumbline.write(consistent(b=-0.02), tmp_path / "x.json")
+    path.write_text(path.read_text().replace("-0.02", "-0.03"))
+    with pytest.raises(ReadError, match="was changed since it was written"):
+        plumbline.read_calibration(path)
 
 
 def test_names_that_are_no_text_survive() -> None:
@@ -499,7 +510,7 @@ def test_contradictions_are_found(path: str, value: Any) -> None:
 def test_a_calibration_that_was_read_is_not_mixed_up_with_its_project(tmp_path: Path) -> None:
     made = replace(calibration(), remarks=(), converged=True)
     path = plumbline.write(made, tmp_path / "x.json")
-    back = plumbline.read_calibration(path)
+    (back,) = from_json(path.read_text(encoding="utf-8"), str(path))
     # The project's bytes are not in the JSON: a new project is written.
     project = plumbline.write(back, tmp_path / "y.pto").read_text()
     assert "# made by plumbline" in project

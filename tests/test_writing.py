@@ -375,5 +375,6 @@ def test_a_fit_without_a_result_goes_into_json_alone(tmp_path: Path) -> None:
         with pytest.raises(plumbline.UnsettledError, match="no result") as caught:
             plumbline.write(made, tmp_path / f"x{suffix}")
         assert "check that every pick is on its line" in caught.value.hint
-    assert plumbline.read_calibration(plumbline.write(made, tmp_path / "x.json")).converged is False
+    written = plumbline.write(made, tmp_path / "x.json")
+    assert json.loads(written.read_text())["calibrations"][0]["converged"] is False
     assert [path.name for path in tmp_path.iterdir()] == ["x.json"]

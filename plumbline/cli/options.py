@@ -159,26 +159,22 @@ labelling = stacked(
 )
 """What is known of the lens, where EXIF and project are silent or wrong."""
 
-_MODEL = "Distortion model; `plumbline models` lists them"
 
-model = click.option(
-    "--model",
-    type=types.ModelName(auto=False),
-    default="ptlens",
-    show_default=True,
-    metavar="NAME",
-    help=f"{_MODEL}.",
-)
+def _model_option(also: str = "", *, auto: bool) -> Callable[[_F], _F]:
+    return click.option(
+        "--model",
+        type=types.ModelName(auto=auto),
+        default="ptlens",
+        show_default=True,
+        metavar="NAME",
+        help=f"Distortion model; `plumbline models` lists them{also}.",
+    )
+
+
+model = _model_option(auto=False)
 """The model to fit."""
 
-model_or_auto = click.option(
-    "--model",
-    type=types.ModelName(auto=True),
-    default="ptlens",
-    show_default=True,
-    metavar="NAME",
-    help=f"{_MODEL}, auto takes the one that `plumbline compare` recommends.",
-)
+model_or_auto = _model_option(", auto takes the one that `plumbline compare` recommends", auto=True)
 """The model to fit, where it may be chosen by a comparison."""
 
 coefficients = stacked(

@@ -106,7 +106,7 @@ def compare(
         candidates = list(pool.map(fitted, ROWS))
     usable = [each.calibration for each in candidates if each.aicc is not None]
     if not usable or usable[0] is None:
-        raise _refusal(picks, candidates[0].failure)
+        raise _refusal(candidates[0].failure, _robust(picks))
     points_px = picked_range_px(usable[0])
     choice = choose(candidates, points_px)
     table = list(choice.candidates)
@@ -133,7 +133,7 @@ def _believed(observations: Observations) -> Observations:
     """
     found = _robust(observations)
     if isinstance(found, PlumblineError):
-        raise _refusal(observations, found.message)
+        raise _refusal(found.message, found)
     return found.kept_observations
 
 
@@ -149,9 +149,8 @@ def _robust(observations: Observations) -> Calibration | PlumblineError:
         return error
 
 
-def _refusal(observations: Observations, failure: str) -> DegenerateLinesError:
+def _refusal(failure: str, found: Calibration | PlumblineError) -> DegenerateLinesError:
     """Why no model can be fitted, and which picks a robust fit finds wrong."""
-    found = _robust(observations)
     suspects = () if isinstance(found, PlumblineError) else found.suspects
     worst_first = sorted(suspects, key=lambda each: -each.residual_px)
     wrong = [each.sentence for each in worst_first if each.left_out]

@@ -88,7 +88,10 @@ def quote(choice: Choice) -> str:
     overall_px, own_px = taken.overall_error_px, error_px(taken)
     if overall_px is None or not isfinite(aicc(taken)):
         return ""
-    told = f"within the range of the picks quote a standard error of {px(overall_px)}"
+    told = (
+        f"allowing for the choice of the model, quote a standard error of {px(overall_px)} within "
+        "the range of the picks"
+    )
     if px(overall_px) == px(own_px):
         return f"{told}: the other models do not add to that of {taken.name}"
     return (

@@ -18,7 +18,8 @@ import pytest
 from click.testing import CliRunner
 from PIL import Image
 
-from plumbline.cli import VERBS, command
+from plumbline.cli import VERBS, command, options
+from plumbline.fit import bootstrap
 from plumbline.formats.known import FORMATS
 from plumbline.models import MODELS
 from tests.cli.process import Run
@@ -863,3 +864,9 @@ def test_an_interrupt_ends_without_a_traceback(tmp_path: Path, delay: float) -> 
     assert err.endswith(b"Stopped: no file was written but those named above.\n")
     assert out == b""
     assert sorted(path.name for path in tmp_path.iterdir() if path.name != "cache") == ["x.pto"]
+
+
+def test_help_and_the_fit_agree_on_how_many_bootstrap_fits_make_sense() -> None:
+    """The limits stand twice, since those of the fit would load JAX for a --help."""
+    limits = options._BOOTSTRAP  # pyright: ignore[reportPrivateUsage]
+    assert limits == (bootstrap._LEAST, bootstrap._MOST)  # pyright: ignore[reportPrivateUsage]
