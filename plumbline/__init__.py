@@ -69,8 +69,10 @@ if TYPE_CHECKING:
     from plumbline.observations.facts import (
         LensFacts as LensFacts,
     )
-    from plumbline.reading.points import (
+    from plumbline.reading.joining import (
         join as join,
+    )
+    from plumbline.reading.points import (
         read as read,
     )
     from plumbline.result.calibration import (
@@ -118,7 +120,8 @@ _HOMES = {
     "plumbline.models": ("MODELS", "get_model"),
     "plumbline.observations": ("Line", "Observations", "Photo"),
     "plumbline.observations.facts": ("LensFacts",),
-    "plumbline.reading.points": ("join", "read"),
+    "plumbline.reading.joining": ("join",),
+    "plumbline.reading.points": ("read",),
     "plumbline.result.calibration": ("Calibration",),
     "plumbline.result.comparison": ("Candidate", "Comparison"),
     "plumbline.result.files": ("read_calibration", "read_calibrations"),
