@@ -13,8 +13,8 @@ _HELP = """Say whether the picks determine the distortion, and what to pick next
 Before a fit: whether the lines reach the edges and corners, how much of the photo is extrapolated,
 whether lines run too close to the centre, and the rule of LensFun's profile makers. After a fit:
 the error of the correction and which line would reduce it most, how much the result depends on
-single lines, whether a richer model would differ, and which picks are suspicious. ✓ marks what is good,
-? what is doubtful, and ✗ what is bad, with its remedy. No file is written.
+single lines, whether a richer model would differ, and which picks are suspicious. ✓ marks what is
+good, ? what is doubtful, and ✗ what is bad, with its remedy. No file is written.
 
 \b
 Examples:
