@@ -14,6 +14,10 @@ AUTO = "auto"
 FILE = "file"
 """The start vector that the project stores."""
 
+_MOST = 1e7
+"""Largest number that an option takes unless it says otherwise; chosen, because no length in pixels,
+millimetres or metres that an option names comes near it, and its square is exact."""
+
 if TYPE_CHECKING:
     _Type = click.ParamType[Any]
 else:
@@ -108,7 +112,7 @@ class Positive(_Type):
 
     name = "number"
 
-    def __init__(self, most: float = 1e7) -> None:
+    def __init__(self, most: float = _MOST) -> None:
         self.most = most
 
     def convert(

@@ -15,6 +15,13 @@ _F = TypeVar("_F", bound=Callable[..., Any])
 
 _FORMATS = "ptgui, pto, cvat, labelme, via, imagej, webplotdigitizer, winmorph, csv"
 _BOOTSTRAP = 50, 100_000
+"""Limits of `fit.bootstrap`, repeated here since importing them would load JAX for `--help`."""
+_MOST_FOCAL_MM = 1e5
+"""100 m; chosen, because the longest telescopes that take photographs have some tens of metres."""
+_MOST_CROP = 100
+"""Chosen, because the smallest sensors in use (1/10 inch) have a crop factor of about 28."""
+_MOST_PIXEL_ASPECT = 100
+"""Chosen, because anamorphic video stays below 3; more than 100 is a slip."""
 
 
 def refuse_useless(context: click.Context, what: str, useless: Iterable[str]) -> None:
@@ -117,7 +124,7 @@ reading = stacked(
     ),
     click.option(
         "--pixel-aspect",
-        type=types.Ratio(100),
+        type=types.Ratio(_MOST_PIXEL_ASPECT),
         default=1.0,
         metavar="RATIO",
         help="Width of a pixel divided by its height, for video frames; 1 by default.",
@@ -133,7 +140,7 @@ _MOUNT = click.option(
 )
 _CROP_FACTOR = click.option(
     "--crop-factor",
-    type=types.Positive(100),
+    type=types.Positive(_MOST_CROP),
     metavar="NUMBER",
     help="Diagonal of the 35-mm frame divided by that of the sensor.",
 )
@@ -151,7 +158,7 @@ def _lens_name(*names: str) -> Callable[[_F], _F]:
 
 focal = stacked(
     click.option(
-        "--focal", type=types.Positive(1e5), metavar="MM", help="Focal length in millimetres."
+        "--focal", type=types.Positive(_MOST_FOCAL_MM), metavar="MM", help="Focal length in millimetres."
     ),
     click.option("--focal-px", type=types.Positive(), metavar="PX", help="Focal length in pixels."),
     _CROP_FACTOR,
