@@ -28,7 +28,7 @@ Hugin writes at most 15 digits, so a project with a longer one was not saved by 
 """
 
 _MOST_BYTES = 2**31
-"""Chosen, because a file of ten million control points has 0.6 GB, and memory holds it a few times."""
+"""Chosen, because a file of ten million control points has 0.6 GB."""
 _NAME_A_FILE = "name another file"
 _MOST_LOOKED_AT = 2**20
 """Of a project, to find its `i` lines: Hugin writes them before all control points, and 1 MiB holds
@@ -72,7 +72,7 @@ def refuse_to_clobber(target: Path, inputs: Sequence[str], *, overwrite: bool) -
     """Refuse to write over an input, or over a file that plumbline did not make.
 
     Raises:
-        WriteError: as said, or the target is no regular file.
+        WriteError: as said, or the target is not a regular file.
     """
     try:
         exists = target.exists()

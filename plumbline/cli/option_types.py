@@ -15,8 +15,8 @@ FILE = "file"
 """The start vector that the project stores."""
 
 _MOST = 1e7
-"""Largest number that an option takes unless it says otherwise; chosen, because no length in pixels,
-millimetres or metres that an option names comes near it, and its square is exact."""
+"""Largest number that an option takes unless it says otherwise; chosen, because no length in
+pixels, millimetres or metres that an option names comes near it, and its square is exact."""
 
 if TYPE_CHECKING:
     _Type = click.ParamType[Any]

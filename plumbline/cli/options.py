@@ -158,7 +158,10 @@ def _lens_name(*names: str) -> Callable[[_F], _F]:
 
 focal = stacked(
     click.option(
-        "--focal", type=types.Positive(_MOST_FOCAL_MM), metavar="MM", help="Focal length in millimetres."
+        "--focal",
+        type=types.Positive(_MOST_FOCAL_MM),
+        metavar="MM",
+        help="Focal length in millimetres.",
     ),
     click.option("--focal-px", type=types.Positive(), metavar="PX", help="Focal length in pixels."),
     _CROP_FACTOR,
