@@ -9,12 +9,12 @@ import click
 
 from plumbline.cli import options
 
-_HELP = """Turn picked points into CSV, JSON or a Hugin project.
+_HELP = """Convert picked points to CSV, JSON or a Hugin project.
 
 SOURCE is any file that `fit` reads, a result JSON too; the suffix of TARGET, .csv, .json or .pto,
-chooses the format. JSON keeps everything that is known of the photos and the lens. A Hugin project
-gets the points in reversed pairs, one straight line each from t3 on, with the
-photo attached and a, b, c (or what SOURCE asks for) marked for optimising.
+chooses the format. JSON keeps all that is known of the photos and the lens. In a Hugin project
+each line becomes a straight line (t3, t4, …) of paired points, with the photo attached and
+a, b, c (or what SOURCE asks for) marked for optimising.
 
 \b
 Example:
@@ -22,9 +22,7 @@ Example:
 """
 
 
-@click.command(
-    "convert", help=_HELP, short_help="Turn picked points into CSV, JSON or a Hugin project."
-)
+@click.command("convert", help=_HELP)
 @click.argument("source")
 @click.argument("target")
 @options.reading
