@@ -38,25 +38,30 @@ _FINEST_PX = 0.001
 @dataclass(frozen=True)
 class _Row:
     name: str
-    equals: tuple[str, ...]
     model: str
     free: tuple[str, ...]
 
+    @property
+    def equals(self) -> tuple[str, ...]:
+        """The same in other words."""
+        others = get_model(self.model).in_other_words(self.free)
+        return (f"{self.model} {', '.join(self.free)}",) if self.name in others else others
+
 
 ROWS = (
-    _Row("ptlens b", ("poly3",), "ptlens", ("b",)),
-    _Row("radial:2", ("brown k1",), "brown", ("k1",)),
-    _Row("division l1", (), "division", ("l1",)),
-    _Row("poly5", ("opencv k1, k2",), "poly5", ("k1", "k2")),
-    _Row("radial:2,4", ("brown k1, k2",), "brown", ("k1", "k2")),
-    _Row("division l1, l2", (), "division", ("l1", "l2")),
-    _Row("ptlens a, b, c", (), "ptlens", ("a", "b", "c")),
-    _Row("radial:2,4,6", ("brown k1, k2, k3",), "brown", ("k1", "k2", "k3")),
-    _Row("ptlens b with centre", (), "ptlens", ("b", *CENTRE)),
-    _Row("ptlens with centre", (), "ptlens", ("a", "b", "c", *CENTRE)),
-    _Row("radial:2,4,6 with centre", (), "brown", ("k1", "k2", "k3", *CENTRE)),
-    _Row("brown", (), "brown", ("k1", "k2", "k3", "p1", "p2")),
-    _Row("brown with centre", (), "brown", ("k1", "k2", "k3", "p1", "p2", *CENTRE)),
+    _Row("ptlens b", "ptlens", ("b",)),
+    _Row("radial:2", "brown", ("k1",)),
+    _Row("division l1", "division", ("l1",)),
+    _Row("poly5", "poly5", ("k1", "k2")),
+    _Row("radial:2,4", "brown", ("k1", "k2")),
+    _Row("division l1, l2", "division", ("l1", "l2")),
+    _Row("ptlens a, b, c", "ptlens", ("a", "b", "c")),
+    _Row("radial:2,4,6", "brown", ("k1", "k2", "k3")),
+    _Row("ptlens b with centre", "ptlens", ("b", *CENTRE)),
+    _Row("ptlens with centre", "ptlens", ("a", "b", "c", *CENTRE)),
+    _Row("radial:2,4,6 with centre", "brown", ("k1", "k2", "k3", *CENTRE)),
+    _Row("brown", "brown", ("k1", "k2", "k3", "p1", "p2")),
+    _Row("brown with centre", "brown", ("k1", "k2", "k3", "p1", "p2", *CENTRE)),
 )
 """What is compared, simple models first. Models that are the same in other words are one row."""
 
