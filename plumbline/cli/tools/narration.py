@@ -59,4 +59,5 @@ def name_the_source(error: PlumblineError, part: Observations, n_parts: int) -> 
     files = listed(list(dict.fromkeys(origin.path for origin in part.origins)), 3)
     if not message.startswith(files):
         message = f"{files}: {message}"
-    return type(error)(message, hint=error.hint)
+    error.message, error.args = message, (message,)
+    return error

@@ -14,12 +14,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from plumbline.errors import DegenerateLinesError, PlumblineError
-from plumbline.fit.calibrate import calibrate
 from plumbline.fit.choice.reasons import beyond, left_out, quote, reason
 from plumbline.fit.choice.recommend import choose
 from plumbline.fit.outcome import finish
 from plumbline.fit.problem import Problem, prepare
 from plumbline.fit.program.solve import solve
+from plumbline.fit.single import fit_one
 from plumbline.frame import Array
 from plumbline.models import CENTRE, get_model
 from plumbline.observations import Observations
@@ -117,7 +117,7 @@ def compare(
     table = list(choice.candidates)
     taken = table[choice.recommended]
     # The same fit again, now with its suspicious picks.
-    named = calibrate(observations, taken.model, free=taken.free, robust=robust)
+    named = fit_one(observations, taken.model, free=taken.free, robust=robust)
     table[choice.recommended] = replace(taken, calibration=named)
     return Comparison(
         candidates=tuple(table),
@@ -145,11 +145,11 @@ def _believed(observations: Observations) -> Observations:
 def _robust(observations: Observations) -> Calibration | PlumblineError:
     """The robust fit of the richest model that has one, or why even b alone has none."""
     try:
-        return calibrate(observations, free=("a", "b", "c"), robust=True)
+        return fit_one(observations, "ptlens", free=("a", "b", "c"), robust=True)
     except PlumblineError:
         pass
     try:
-        return calibrate(observations, free=("b",), robust=True)
+        return fit_one(observations, "ptlens", free=("b",), robust=True)
     except PlumblineError as error:
         return error
 
