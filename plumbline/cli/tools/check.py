@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from plumbline.cli.tools.narration import name_the_source
@@ -27,6 +28,7 @@ def check_lenses(parts: Sequence[Observations], narration: Console, **how: Any) 
 
             checked = check(part, **how)
         if checked.error is not None:
-            name_the_source(checked.error, part, len(parts))
+            named = name_the_source(checked.error, part, len(parts))
+            checked = replace(checked, error=named)
         found.append(checked)
     return found
