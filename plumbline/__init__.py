@@ -36,6 +36,9 @@ if TYPE_CHECKING:
         calibrate as calibrate,
         calibrate_many as calibrate_many,
     )
+    from plumbline.fit.check import (
+        check as check,
+    )
     from plumbline.fit.choice.compare import (
         compare as compare,
     )
@@ -76,6 +79,9 @@ if TYPE_CHECKING:
     from plumbline.result.calibration import (
         Calibration as Calibration,
     )
+    from plumbline.result.checked import (
+        Checked as Checked,
+    )
     from plumbline.result.comparison import (
         Candidate as Candidate,
         Comparison as Comparison,
@@ -109,6 +115,7 @@ _HOMES = {
     ),
     "plumbline.fit.bootstrap": ("bootstrap",),
     "plumbline.fit.calibrate": ("calibrate", "calibrate_many"),
+    "plumbline.fit.check": ("check",),
     "plumbline.fit.choice.compare": ("compare",),
     "plumbline.formats.known": ("FORMATS",),
     "plumbline.frame": ("Frame",),
@@ -120,6 +127,7 @@ _HOMES = {
     "plumbline.observations.facts": ("LensFacts",),
     "plumbline.reading.points": ("join", "read"),
     "plumbline.result.calibration": ("Calibration",),
+    "plumbline.result.checked": ("Checked",),
     "plumbline.result.comparison": ("Candidate", "Comparison"),
     "plumbline.result.files": ("read_calibration", "read_calibrations"),
     "plumbline.trust.check": ("Check",),

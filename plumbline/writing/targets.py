@@ -53,10 +53,7 @@ def _known_focal_px(stored: StoredLens) -> float | None:
 
 def _ptlens_values(lens: Lens) -> Mapping[str, float]:
     """a, b, c, d, e of a lens that is ptlens or poly3."""
-    values = dict(lens.coefficients)
-    if lens.model.name == "poly3":
-        values |= {"a": 0.0, "b": values.pop("k1"), "c": 0.0}
-    return values
+    return {**lens.coefficients, **(lens.model.ptlens_values(lens.coefficients) or {})}
 
 
 def _abc(lens: Lens) -> tuple[float, float, float]:
