@@ -72,8 +72,10 @@ if TYPE_CHECKING:
     from plumbline.observations.facts import (
         LensFacts as LensFacts,
     )
-    from plumbline.reading.points import (
+    from plumbline.reading.joining import (
         join as join,
+    )
+    from plumbline.reading.points import (
         read as read,
     )
     from plumbline.result.calibration import (
@@ -125,7 +127,8 @@ _HOMES = {
     "plumbline.models": ("MODELS", "get_model"),
     "plumbline.observations": ("Line", "Observations", "Photo"),
     "plumbline.observations.facts": ("LensFacts",),
-    "plumbline.reading.points": ("join", "read"),
+    "plumbline.reading.joining": ("join",),
+    "plumbline.reading.points": ("read",),
     "plumbline.result.calibration": ("Calibration",),
     "plumbline.result.checked": ("Checked",),
     "plumbline.result.comparison": ("Candidate", "Comparison"),

@@ -21,7 +21,7 @@ VERBS = {
     "compare": "Compare the distortion models on the same picks, and recommend one.",
     "report": "Show a calibration as a page with figures, tables and checksums.",
     "correct": "Take the lens distortion out of photographs.",
-    "convert": "Convert picked points to CSV or a Hugin project.",
+    "convert": "Convert picked points to CSV, JSON or a Hugin project.",
     "lens": "Show which lens a photo would be corrected with, or store a calibration.",
     "zoom": "Join calibrations at several focal lengths into one lens.",
     "export": "Write a calibrated lens for another program.",
