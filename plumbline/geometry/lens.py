@@ -12,8 +12,10 @@ from numpy.typing import ArrayLike
 
 from plumbline.errors import FoldedError, OptionError
 from plumbline.frame import Array, Frame
+from plumbline.geometry.mapping import map_points
 from plumbline.models import CENTRE, Model
-from plumbline.models.inverse import REACH, first_fold, invert
+from plumbline.models.base import Direction
+from plumbline.models.inverse import REACH, first_fold
 
 
 @dataclass(frozen=True)
@@ -94,9 +96,7 @@ class Lens:
     def undistort_or_nan(self, points_px: ArrayLike) -> Array:
         """As `undistort`, but points beyond the fold become NaN."""
         points = self.frame.normalise(points_px, self.unit_px) - self._offset
-        forward = self.model.direction == "observed to ideal"
-        ideal = self._apply(points) if forward else self._invert(points)
-        return self.frame.to_pixels(ideal, self.unit_px)
+        return self.frame.to_pixels(self._map(points, "observed to ideal"), self.unit_px)
 
     def distort(self, points_px: ArrayLike) -> Array:
         """Map ideal points to observed ones.
@@ -111,8 +111,7 @@ class Lens:
             FoldedError: the polynomial folds before it reaches a point.
         """
         points = self.frame.normalise(points_px, self.unit_px)
-        forward = self.model.direction == "ideal to observed"
-        observed = self._apply(points) if forward else self._invert(points)
+        observed = self._map(points, "ideal to observed")
         observed_px = self.frame.to_pixels(observed + self._offset, self.unit_px)
         self._refuse_folded(observed_px, points_px)
         return observed_px
@@ -141,16 +140,8 @@ class Lens:
     def _reach(self) -> float:
         return REACH * self.frame.corner_radius * self.frame.radius_px / self.unit_px
 
-    def _apply(self, points: Array) -> Array:
-        x, y = points[..., 0], points[..., 1]
-        mapped = np.stack(self.model.apply(x, y, self.vector), axis=-1)
-        fold = first_fold(self.model, self.vector, self._reach)
-        if fold is not None:
-            mapped[np.hypot(x, y) > fold] = np.nan
-        return mapped
-
-    def _invert(self, points: Array) -> Array:
-        return invert(self.model, self.vector, points, self._reach)
+    def _map(self, points: Array, way: Direction) -> Array:
+        return map_points(self.model, tuple(self.vector.tolist()), points, self._reach, way)
 
     def _refuse_folded(self, mapped: Array, points: ArrayLike) -> None:
         given = np.isnan(np.asarray(points, dtype=np.float64)).any(axis=-1)

@@ -9,8 +9,10 @@ from numpy.typing import ArrayLike
 
 from plumbline.errors import FoldedError
 from plumbline.frame import Array, Frame
+from plumbline.geometry.mapping import map_points
 from plumbline.models import Model
-from plumbline.models.inverse import REACH, invert
+from plumbline.models.base import Direction
+from plumbline.models.inverse import REACH
 
 _LOOKED_AT = 33  # points along a side
 
@@ -87,31 +89,27 @@ class PhotoLens:
         points_px: ArrayLike,
         from_centre: tuple[float, float],
         to_centre: tuple[float, float],
-        direction: str,
+        way: Direction,
     ) -> Array:
         turn = np.array(self.turn, dtype=np.float64)
         points = self.frame.normalise(points_px, self.unit_px)
         if self.turn != UPRIGHT:
             points = points @ turn
-        points = points - np.array(from_centre)
-        if self.model.direction == direction:
-            c = np.array(self.coefficients)
-            mapped = np.stack(self.model.apply(points[..., 0], points[..., 1], c), axis=-1)
-        else:
-            mapped = self._inverse(points)
+        mapped = self._other_side(points - np.array(from_centre), way)
         mapped += np.array(to_centre)
         if self.turn != UPRIGHT:
             mapped = mapped @ turn.T
         return self.frame.to_pixels(mapped, self.unit_px)
 
-    def _inverse(self, points: Array) -> Array:
+    def _other_side(self, points: Array, way: Direction) -> Array:
         corner = self.frame.corner_radius * self.frame.radius_px / self.unit_px
-        solved = invert(self.model, np.array(self.coefficients), points, REACH * corner)
-        lost = int(np.count_nonzero(np.isnan(solved[..., 0])))
+        mapped = map_points(self.model, self.coefficients, points, REACH * corner, way)
+        unknown = np.isnan(points).any(axis=-1)
+        lost = int(np.count_nonzero(np.isnan(mapped).any(axis=-1) & ~unknown))
         if lost:
             raise FoldedError(
                 f"the {self.model.label} polynomial of this lens folds before it reaches "
                 f"{lost:,} of the points",
                 hint="the lens values do not belong to this photo; take those of another lens",
             )
-        return solved
+        return mapped
