@@ -40,9 +40,9 @@ def of_a_zoom(made: Calibration) -> bytes:
     return zoom_bytes(join([("x.json", made)]), Path("x.xml"))[0]
 
 
-every_writer = pytest.mark.parametrize(
-    "written", [of_a_fit, of_an_export, of_lenses_txt, of_a_zoom]
-)
+Writer = Callable[[Calibration], bytes]
+WRITERS = [of_a_fit, of_an_export, of_lenses_txt, of_a_zoom]
+every_writer = pytest.mark.parametrize("written", WRITERS)
 
 
 def known(**facts: object) -> Calibration:
