@@ -10,13 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plumbline.boards.array import Grey, brightness
-from plumbline.boards.board import LEAST_ON_A_LINE, Board, upright
+from plumbline.board import LEAST_ON_A_LINE, Board
 from plumbline.boards.growth import grow
 from plumbline.boards.links import link
 from plumbline.boards.membership import IRREGULAR, belonging, irregularity
 from plumbline.boards.refine import refined, sides_px
 from plumbline.boards.rings import ring_test, smoothed
 from plumbline.boards.saddles import saddles
+from plumbline.boards.shape import cut_down, upright
 from plumbline.frame import Array
 from plumbline.wording import count
 
@@ -79,7 +80,7 @@ def look_for_boards(grey: Grey, inner: tuple[int, int] | None = None) -> Search:
     seen = _searched(grey)
     boards = [belonging(refined(grey, board, scale)) for board, scale in seen.boards]
     if inner is not None:
-        boards = [board.cut_down(inner) for board in boards]
+        boards = [cut_down(board, inner) for board in boards]
     whole = [board for board in boards if min(board.inner) >= LEAST_ON_A_LINE]
     good = [board for board in whole if irregularity(board) < IRREGULAR]
     reason = "" if good else (_MIXED if whole else seen.reason)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from plumbline.boards.board import Board
+from plumbline.board import Board
 from plumbline.boards.refine import sides_px
 from plumbline.frame import Array
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plumbline.boards.array import Grey
-from plumbline.boards.board import Board
+from plumbline.board import Board
 from plumbline.frame import Array
 
 _SHARE = 0.25

@@ -13,7 +13,7 @@ from plumbline.cli import option_types as types
 
 _F = TypeVar("_F", bound=Callable[..., Any])
 
-_FORMATS = "ptgui, pto, cvat, labelme, via, imagej, webplotdigitizer, winmorph, csv"
+_FORMATS = "ptgui, pto, cvat, board, labelme, via, imagej, webplotdigitizer, winmorph, csv"
 _BOOTSTRAP = 50, 100_000
 
 
@@ -232,3 +232,29 @@ plotting = click.option(
     "given several times.",
 )
 """What verbs take that draw the figures of a calibration."""
+
+results = stacked(
+    click.option(
+        "-o",
+        "--output",
+        multiple=True,
+        metavar="FILE",
+        help="Write this file (.pto, .xml or .json); may be given several times.",
+    ),
+    click.option(
+        "--report",
+        metavar="FILE",
+        help="Write a report: one HTML page with figures, tables and checksums.",
+    ),
+)
+"""What verbs take that fit a lens, for its files."""
+
+printing = stacked(
+    click.option("--json", "as_json", is_flag=True, help="Print the result as JSON."),
+    click.option("-v", "--verbose", is_flag=True, help="List every line, however many."),
+    click.option("-q", "--quiet", is_flag=True, help="Print only the finding and the files."),
+)
+"""What verbs take that fit a lens, for their output."""
+
+DELIVERY = ("output", "report", "plots", "overwrite", "as_json", "verbose", "quiet")
+"""Parameters of `results`, `plotting`, `overwriting` and `printing`."""

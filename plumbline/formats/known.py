@@ -5,6 +5,7 @@ from __future__ import annotations
 from plumbline.errors import OptionError
 from plumbline.files import RESULT
 from plumbline.formats import (
+    board,
     csv,
     cvat,
     imagej,
@@ -19,7 +20,7 @@ from plumbline.formats.base import Format, Source
 
 FORMATS: dict[str, Format] = {
     module.FORMAT.name: module.FORMAT
-    for module in (ptgui, pto, cvat, labelme, via, imagej, webplotdigitizer, winmorph, csv)
+    for module in (ptgui, pto, cvat, board, labelme, via, imagej, webplotdigitizer, winmorph, csv)
 }
 """From the most to the least specific: the first that recognises a file reads it."""
 

@@ -1,4 +1,4 @@
-"""A chequerboard as found in a photograph."""
+"""A chequerboard as found in a photograph: its inner corners by column and row."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from plumbline.boards.lattice import Lattice
 from plumbline.frame import Array
+from plumbline.picks import Line
 
 LEAST_ON_A_LINE = 3
 """Corners that a row or column needs to tell whether it is straight."""
@@ -41,14 +41,14 @@ class Board:
         columns, rows = (self.cells.max(axis=0) + 1).tolist()
         return columns, rows
 
-    def lines(self) -> Iterator[tuple[str, Array]]:
-        """Rows, then columns of at least three corners: name, and points along it (k, 2)."""
+    def lines(self) -> Iterator[tuple[str, NDArray[np.int64]]]:
+        """Rows, then columns of at least three corners: the name, and which corners, in order."""
         for name, across in (("row", 1), ("column", 0)):
             order = np.lexsort((self.cells[:, 1 - across], self.cells[:, across]))
             numbers, starts = np.unique(self.cells[order, across], return_index=True)
             for number, members in zip(numbers, np.split(order, starts[1:]), strict=True):
                 if len(members) >= LEAST_ON_A_LINE:
-                    yield f"{name} {number + 1}", self.corners_px[members]
+                    yield f"{name} {number + 1}", members
 
     def only(self, which: NDArray[np.bool_]) -> Board:
         """Some of its corners, counted anew."""
@@ -57,31 +57,16 @@ class Board:
         return replace(self, corners_px=self.corners_px[which], cells=cells - first)
 
 
-    def cut_down(self, inner: tuple[int, int]) -> Board:
-        """The part of at most so many columns and rows, in either order, that has most corners."""
-        best = self.only(np.zeros(len(self), dtype=np.bool_))
-        for size in (inner, inner[::-1]):
-            room = np.maximum(np.array(self.inner) - size, 0)
-            for shift in np.ndindex(*(room + 1)):
-                inside = ((self.cells >= shift) & (self.cells < np.add(shift, size))).all(axis=1)
-                if np.count_nonzero(inside) > len(best):
-                    best = self.only(inside)
-        return best
+def lines_of(boards: tuple[Board, ...], photo: int = 0) -> list[Line]:
+    """Rows and columns of a photo's boards as lines of points.
 
-
-def upright(lattice: Lattice) -> Board:
-    """The board of a lattice, turned so that its columns run rightwards and rows downwards."""
-    cells = np.array(list(lattice), dtype=np.int64)
-    points = np.array([corner.xy for corner in lattice.values()])
-    middle = cells - cells.mean(axis=0)
-    # The average step along columns and rows by least squares; cells of a board span both.
-    steps = np.linalg.lstsq(middle, points - points.mean(axis=0), rcond=None)[0]
-    turned = [np.linalg.matrix_power(_QUARTER, k) for k in range(4)]
-    best = max(turned, key=lambda turn: float(np.trace(turn @ steps)))
-    cells = cells @ best.T
-    cells -= cells.min(axis=0)
-    order = np.lexsort((cells[:, 0], cells[:, 1]))
-    return Board(points[order], cells[order])
-
-
-_QUARTER = np.array([[0, -1], [1, 0]], dtype=np.int64)
+    Args:
+        boards: The boards of one photo.
+        photo: Index of the photo.
+    """
+    several = len(boards) > 1
+    return [
+        Line(board.corners_px[members], photo, f"board {number} {name}" if several else name)
+        for number, board in enumerate(boards, start=1)
+        for name, members in board.lines()
+    ]
