@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plumbline.boards.array import Grey, brightness
-from plumbline.board import LEAST_ON_A_LINE, Board
 from plumbline.boards.growth import grow
 from plumbline.boards.links import link
 from plumbline.boards.membership import IRREGULAR, belonging, irregularity
@@ -19,6 +18,7 @@ from plumbline.boards.rings import ring_test, smoothed
 from plumbline.boards.saddles import saddles
 from plumbline.boards.shape import cut_down, upright
 from plumbline.frame import Array
+from plumbline.observations.board import LEAST_ON_A_LINE, Board
 from plumbline.wording import count
 
 _LONG_SIDE_PX = 1600

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from plumbline.board import Board
 from plumbline.boards.refine import sides_px
 from plumbline.frame import Array
+from plumbline.observations.board import Board
 
 _REACH = 2
 """Cells to each side of a corner that predict it; chosen, as a second-degree surface needs them."""

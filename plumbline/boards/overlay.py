@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from plumbline.board import Board
+from plumbline.observations.board import Board
 
 _WIDE_PX, _SHEET_PX = 1600, 2400
 """Longer side of a single photo's picture, and width of one of several; chosen, to be looked at."""
@@ -39,10 +39,11 @@ def drawn(image: NDArray[Any], boards: Sequence[Board], name: str, width_px: int
     thick = max(1, round(max(size) / 800))
     for board in boards:
         places = np.rint(((board.corners_px + 0.5) * scale - 0.5) * 16).astype(np.int32)
-        for number, (line, members) in enumerate(board.lines()):
-            colour = _LINES[line.startswith("column")]
+        for line, members in board.lines():
+            kind, _, number = line.partition(" ")
+            colour = _LINES[kind == "column"]
             cv2.polylines(made, [places[members]], False, colour, thick, cv2.LINE_AA, 4)
-            _label(made, str(number + 1), places[members[0]] // 16, colour, thick)
+            _label(made, number, places[members[0]] // 16, colour, thick)
         for x, y in places.tolist():
             cv2.circle(made, (x, y), 3 * thick * 16, _CORNER, thick, cv2.LINE_AA, 4)
     told = f"{name}: {sum(map(len, boards))}" if boards else f"{name}: no board"

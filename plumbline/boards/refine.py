@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plumbline.boards.array import Grey
-from plumbline.board import Board
 from plumbline.frame import Array
+from plumbline.observations.board import Board
 
 _SHARE = 0.25
 """Half the window as a share of the side of a square: no other edge comes into it."""

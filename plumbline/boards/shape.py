@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from plumbline.board import Board
 from plumbline.boards.lattice import Lattice
+from plumbline.observations.board import Board
 
 _QUARTER = np.array([[0, -1], [1, 0]], dtype=np.int64)
 

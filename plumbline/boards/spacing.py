@@ -13,10 +13,10 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from plumbline.board import Board
-from plumbline.calibration import Calibration
 from plumbline.frame import Array
-from plumbline.linearised import in_frame
+from plumbline.observations.board import Board
+from plumbline.result.calibration import Calibration
+from plumbline.trust.linearised import in_frame
 
 _UNEVEN = 1.5
 """How many times worse equal squares must fit than lines do; chosen, as rendered boards without a
@@ -48,9 +48,9 @@ class Spacing:
     def sentence(self) -> str:
         """What to know of it."""
         return (
-            f"rows and columns are straight to {self.lines_px:.2g} px, but not evenly spaced: equal "
-            f"squares fit to {self.grid_px:.2g} px only (a seam, two sheets or a printer's feed); "
-            "this fit uses that they are straight, not their spacing"
+            f"rows and columns are straight to {self.lines_px:.2g} px, but not evenly spaced: "
+            f"equal squares fit to {self.grid_px:.2g} px only (a seam, two sheets or a printer's "
+            "feed); this fit uses that they are straight, not their spacing"
         )
 
 

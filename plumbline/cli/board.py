@@ -41,7 +41,7 @@ _FOR_THE_FIT = (
 @click.option(
     "--points",
     metavar="FILE",
-    help="Where the corners go (.json, .csv or .pto); board.json beside the first photo by default.",
+    help="Where the corners go (.json, .csv, .pto); board.json beside the first photo by default.",
 )
 @click.option(
     "--overlay",
@@ -71,11 +71,11 @@ def command(
     """Find boards, write their corners, fit them."""
     from rich.console import Console
 
-    from plumbline.cli import boarding
-    from plumbline.cli.delivering import deliver, refuse_unclear
-    from plumbline.cli.fitting import Wishes, fit_lenses
-    from plumbline.cli.pipeline import labels_of, split_by_lens
+    from plumbline.cli.tools import board as tool
+    from plumbline.cli.tools.deliver import deliver, refuse_unclear
+    from plumbline.cli.tools.fit import Wishes, fit_lenses
     from plumbline.errors import printable
+    from plumbline.reading.gathering import labels_of, split_by_lens
 
     if points_only:
         options.refuse_useless(click.get_current_context(), "--points-only", _FOR_THE_FIT)
@@ -83,19 +83,19 @@ def command(
     delivery = {name: how.pop(name) for name in options.DELIVERY}
     with options.wrong_call():
         refuse_unclear(delivery["output"], delivery["report"], delivery["plots"])
-        targets = boarding.Targets.of(points, overlay, photos[0])
+        targets = tool.Targets.of(points, overlay, photos[0])
     narration = Console(stderr=True)
     with narration.status("Looking for boards…"):
-        found = boarding.look(photos, inner)
+        found = tool.look(photos, inner)
     for seen in found:
         if not (delivery["quiet"] and seen.boards):
             click.echo(printable(seen.sentence), err=True)
-    whole = boarding.together(found)
-    files = boarding.contents(targets, found, whole, overwrite=delivery["overwrite"])
+    whole = tool.together(found)
+    files = tool.contents(targets, found, whole, overwrite=delivery["overwrite"])
     if points_only:
-        boarding.write(files)
+        tool.write(files)
         return
     wishes = Wishes(model, free, hold or (), None, "image", True, bootstrap)
     parts = split_by_lens(whole, labels_of(how))
-    made = [boarding.with_remarks(each, found) for each in fit_lenses(parts, wishes, narration)]
+    made = [tool.with_remarks(each, found) for each in fit_lenses(parts, wishes, narration)]
     deliver(made, str(targets.points), narration, also=files, **delivery)

@@ -67,9 +67,9 @@ def command(
     """Read, fit, write, print."""
     from rich.console import Console
 
-    from plumbline.cli.delivering import deliver, refuse_unclear
-    from plumbline.cli.fitting import Wishes, fit_lenses
-    from plumbline.cli.pipeline import parts_of
+    from plumbline.cli.tools.deliver import deliver, refuse_unclear
+    from plumbline.cli.tools.fit import Wishes, fit_lenses
+    from plumbline.reading.gathering import parts_of
 
     options.refuse_unknown(model, {"--free": free, "--hold": hold, "--start": start})
     delivery = {name: how.pop(name) for name in options.DELIVERY}

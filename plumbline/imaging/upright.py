@@ -10,9 +10,9 @@ import numpy as np
 from PIL import Image
 
 from plumbline.files import read_bytes
-from plumbline.imaging.picture import Picture, Pixels, decode
-from plumbline.lenses.exif import PhotoFacts, read_photo
 from plumbline.lenses.mapping import TURNS
+from plumbline.photos.exif import PhotoFacts, read_photo
+from plumbline.photos.files.picture import Picture, Pixels, decode
 
 
 @dataclass(frozen=True, eq=False)

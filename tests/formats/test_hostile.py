@@ -19,18 +19,17 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from plumbline.errors import ReadError
-from plumbline.formats import (
+from plumbline.formats.base import Format, ReadOptions, Source
+from plumbline.formats.panotools import ptgui, pto
+from plumbline.formats.points import (
     csv,
     cvat,
     imagej,
     labelme,
-    ptgui,
-    pto,
     via,
     webplotdigitizer,
     winmorph,
 )
-from plumbline.formats.base import Format, ReadOptions, Source
 from plumbline.observations import Observations
 
 FORMATS = {

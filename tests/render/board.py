@@ -85,8 +85,8 @@ class Board:
         local = np.stack([x - self.at[0], y - self.at[1]], -1) @ self._axes.T
         across, down = local[..., 0] / self.square, -local[..., 1] / self.square
         split = self.columns // 2 + 0.5 - (self.columns - 1) / 2
-        across = np.where(across > split + self.seam / self.square, across - self.seam / self.square,
-                          np.minimum(across, split))  # fmt: skip
+        gap = self.seam / self.square
+        across = np.where(across > split + gap, across - gap, np.minimum(across, split))
         u, v = across + (self.columns + 1) / 2, down + (self.rows + 1) / 2
         dark = (np.floor(u) + np.floor(v)) % 2 == 0
         wide, high = self.columns + 1, self.rows + 1
