@@ -17,6 +17,7 @@ _SIXTEEN_BITS = 257.0
 """Grey levels of 16 bits to one of 8."""
 
 _COLOURS = (3, 4)
+_TYPES = ("uint8", "uint16", "float32", "float64")
 
 
 def brightness(image: NDArray[Any]) -> Grey:
@@ -36,14 +37,14 @@ def brightness(image: NDArray[Any]) -> Grey:
             f"an array of shape {values.shape} is not a picture",
             hint="give grey values as (height, width), or colours as (height, width, 3)",
         )
-    if values.dtype not in (np.uint8, np.uint16, np.float32, np.float64):
+    if values.dtype.name not in _TYPES:
         raise OptionError(
             f"a picture cannot have values of type {values.dtype}",
             hint="convert it to 8 bits (numpy.uint8)",
         )
     grey: Any = values
     if channels in _COLOURS:
-        grey = cv2.cvtColor(np.ascontiguousarray(values[..., :3]).astype(np.float32), 6)
+        grey = cv2.cvtColor(values[..., :3].astype(np.float32), cv2.COLOR_BGR2GRAY)
     elif values.ndim == 3:
         grey = values[..., 0]
     whole = np.ascontiguousarray(grey, dtype=np.float32)
@@ -56,11 +57,14 @@ def brightness(image: NDArray[Any]) -> Grey:
 
 def sampled(grey: Grey, points: Array) -> Grey:
     """Brightness at points (x, y), shape (..., 2), between pixels by bilinear interpolation."""
-    flat = points.reshape(-1, points.shape[-2], 2).astype(np.float32)
-    parts: list[Any] = []
-    for first in range(0, len(flat), _MOST_ROWS):
-        some = flat[first : first + _MOST_ROWS]
-        parts.append(cv2.remap(grey, some, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE))
+    x, y = (points[..., k].astype(np.float32).reshape(-1, points.shape[-2]) for k in (0, 1))
+    parts: list[Grey] = []
+    for first in range(0, len(x), _MOST_ROWS):
+        rows = slice(first, first + _MOST_ROWS)
+        seen = cv2.remap(
+            grey, x[rows], y[rows], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
+        )
+        parts.append(np.asarray(seen, dtype=np.float32))
     if not parts:
         return np.zeros(points.shape[:-1], dtype=np.float32)
     return np.concatenate(parts).reshape(points.shape[:-1])

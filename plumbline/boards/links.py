@@ -119,4 +119,4 @@ def _has_contrast(smooth: Grey, corners: Corners, to: NDArray[np.int64]) -> NDAr
     right = sampled(smooth, (middle - normal[..., None, :]).reshape(shape))
     step = (left - right).reshape(n, 4, rivals, -1) * corners.signs[:, :, None, None]
     wanted = 2 * _STEP * np.minimum(corners.contrast[:, None, None], corners.contrast[to])
-    return (step > wanted[..., None]).all(axis=-1)
+    return np.all(step > wanted[..., None], axis=-1)

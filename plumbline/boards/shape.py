@@ -31,7 +31,7 @@ def cut_down(board: Board, inner: tuple[int, int]) -> Board:
     for size in (inner, inner[::-1]):
         room = np.maximum(np.array(board.inner) - size, 0)
         for shift in np.ndindex(*(room + 1).tolist()):
-            inside = ((board.cells >= shift) & (board.cells < np.add(shift, size))).all(axis=1)
+            inside = np.all((board.cells >= shift) & (board.cells < np.add(shift, size)), axis=1)
             if np.count_nonzero(inside) > len(best):
                 best = board.only(inside)
     return best

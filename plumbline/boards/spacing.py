@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
@@ -90,7 +91,7 @@ def _from_grid(calibration: Calibration, board: Board, corners: Array) -> Array:
     if np.count_nonzero(known) < _LEAST:
         return np.zeros(0)
     cells, seen = board.cells[known].astype(np.float64), ideal[known]
-    homography, _ = cv2.findHomography(cells, seen, 0)
+    homography: Any = cv2.findHomography(cells, seen, 0)[0]
     if homography is None:
         return np.zeros(0)
     grid = cv2.perspectiveTransform(cells[:, None], homography)[:, 0]

@@ -7,6 +7,7 @@ fitted or a corner found.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import cv2
 import numpy as np
@@ -19,6 +20,9 @@ RAYS = 16  # a pixel
 PAPER, INK = 0.82, 0.045  # reflectances
 TEXELS = 160  # of the clutter, a metre
 WALL_M = 8.0
+WALLS = 3  # different ones; a shot's seed chooses
+
+Layer = NDArray[np.float32]
 
 MILD = Lens(
     "Nikon", "Nikon D750", "Nikkor AF-S 24-85mm f/3.5-4.5G ED VR", 42, 1.0,
@@ -80,20 +84,22 @@ class Board:
         cosine, sine = np.cos(np.radians(self.turn)), np.sin(np.radians(self.turn))
         return np.array([[cosine, sine], [-sine, cosine]])
 
-    def paint(self, x: Array, y: Array, wall: Array) -> Array:
+    def paint(self, x: Layer, y: Layer, wall: Layer) -> Layer:
         """Reflectance at points of the wall, where `wall` is what it has without the board."""
-        local = np.stack([x - self.at[0], y - self.at[1]], -1) @ self._axes.T
-        across, down = local[..., 0] / self.square, -local[..., 1] / self.square
-        split = self.columns // 2 + 0.5 - (self.columns - 1) / 2
-        gap = self.seam / self.square
-        across = np.where(across > split + gap, across - gap, np.minimum(across, split))
-        u, v = across + (self.columns + 1) / 2, down + (self.rows + 1) / 2
-        dark = (np.floor(u) + np.floor(v)) % 2 == 0
-        wide, high = self.columns + 1, self.rows + 1
-        inside = (u >= 0) & (v >= 0) & (u < wide) & (v < high)
-        m = self.margin
+        (right_x, right_y), (up_x, up_y) = (self._axes / self.square).tolist()
+        x, y = x - self.at[0], y - self.at[1]
+        u = x * right_x + y * right_y + (self.columns + 1) / 2
+        v = (self.rows + 1) / 2 - x * up_x - y * up_y
+        if self.seam:
+            split, gap = self.columns // 2 + 1.5, self.seam / self.square
+            u = np.where(u > split + gap, u - gap, np.minimum(u, split))
+        wide, high, m = self.columns + 1, self.rows + 1, self.margin
         sheet = (u >= -m) & (v >= -m) & (u < wide + m) & (v < high + m)
-        return np.where(inside & dark, INK, np.where(sheet, PAPER, wall))
+        dark = (u >= 0) & (v >= 0) & (u < wide) & (v < high)
+        dark &= ((np.floor(u) + np.floor(v)).astype(np.int32) & 1) == 0
+        seen = np.where(sheet, np.float32(PAPER), wall)
+        seen[dark] = INK
+        return seen
 
 
 @dataclass(frozen=True)
@@ -134,17 +140,24 @@ def visible(shot: Shot, board: Board, margin_px: float = 8.0) -> NDArray[np.bool
         )
 
 
+@lru_cache(maxsize=4)
+def _wall(seed: int) -> Layer:
+    return clutter(np.random.default_rng(seed))
+
+
 def take(shot: Shot) -> Picture:
     """The photograph in grey levels of sRGB, shape (height, width)."""
     rng = np.random.default_rng(shot.seed)
     view = shot.view
-    wall = clutter(rng)
+    wall = _wall(shot.seed % WALLS)
     x, y = _wall_points(view)
-    light = np.zeros(x.shape)
+    light = np.zeros(x.shape, dtype=np.float32)
     (x_down, x_right), (y_down, y_right) = np.gradient(x), np.gradient(y)
     for right, down in _within_a_pixel():
-        xs = x + x_right * right + x_down * down
-        ys = y + y_right * right + y_down * down
+        xs, ys = (
+            x + x_right * np.float32(right) + x_down * np.float32(down),
+            y + y_right * np.float32(right) + y_down * np.float32(down),
+        )
         seen = _sampled(wall, xs, ys)
         for board in shot.boards:
             seen = board.paint(xs, ys, seen)
@@ -167,16 +180,17 @@ def _within_a_pixel() -> Array:
     return np.stack([(k + 0.5) / RAYS, mirrored + 0.5 / RAYS], axis=1) - 0.5
 
 
-def _wall_points(view: View) -> tuple[Array, Array]:
+def _wall_points(view: View) -> tuple[Layer, Layer]:
     """Where the ray of each pixel meets the wall, metres right and up."""
     pixels = np.stack(np.meshgrid(np.arange(view.width), np.arange(view.height)), -1)
     rays = view.rays(pixels.astype(np.float64))
     ahead = np.maximum(rays[..., 2], 1e-3)
     reach = view.pose.distance / ahead
-    return view.pose.x + reach * rays[..., 0], view.pose.eye - reach * rays[..., 1]
+    x, y = view.pose.x + reach * rays[..., 0], view.pose.eye - reach * rays[..., 1]
+    return x.astype(np.float32), y.astype(np.float32)
 
 
-def clutter(rng: np.random.Generator) -> Array:
+def clutter(rng: np.random.Generator) -> Layer:
     """A wall of `WALL_M` metres with shelves, books and pictures, reflectances."""
     side = int(WALL_M * TEXELS)
     wall = (0.35 + 0.06 * clouds((side, side), rng, cells=12)).astype(np.float32)
@@ -184,14 +198,13 @@ def clutter(rng: np.random.Generator) -> Array:
         wide, high = rng.integers(12, 160, 2)
         left, top = rng.integers(0, side - 160, 2)
         wall[top : top + high, left : left + wide] = rng.uniform(0.05, 0.8)
-    return np.clip(wall, 0.02, 0.9).astype(np.float64)
+    return np.clip(wall, 0.02, 0.9)
 
 
-def _sampled(wall: Array, x: Array, y: Array) -> Array:
-    u = ((x / WALL_M + 0.5) * wall.shape[1]).astype(np.float32)
-    v = ((0.5 - y / WALL_M) * wall.shape[0]).astype(np.float32)
-    seen = cv2.remap(wall.astype(np.float32), u, v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT)
-    return np.asarray(seen, dtype=np.float64)
+def _sampled(wall: Layer, x: Layer, y: Layer) -> Layer:
+    u, v = (x / WALL_M + 0.5) * wall.shape[1], (0.5 - y / WALL_M) * wall.shape[0]
+    seen = cv2.remap(wall, u, v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT)
+    return np.asarray(seen, dtype=np.float32)
 
 
 def _lamp(view: View) -> Array:
