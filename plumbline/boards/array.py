@@ -61,9 +61,7 @@ def sampled(grey: Grey, points: Array) -> Grey:
     parts: list[Grey] = []
     for first in range(0, len(x), _MOST_ROWS):
         rows = slice(first, first + _MOST_ROWS)
-        seen = cv2.remap(
-            grey, x[rows], y[rows], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
-        )
+        seen = cv2.remap(grey, x[rows], y[rows], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
         parts.append(np.asarray(seen, dtype=np.float32))
     if not parts:
         return np.zeros(points.shape[:-1], dtype=np.float32)

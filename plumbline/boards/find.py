@@ -149,8 +149,10 @@ def _at_scale(grey: Grey, scale: float) -> _Seen:
     per_px = np.array([grey.shape[1], grey.shape[0]]) / np.array(size)
     smooth = smoothed(small)
     corners = ring_test(smooth, saddles(small))
-    boards = map(upright, grow(smooth, corners, link(smooth, corners)))
-    return _Seen(tuple((_larger(board, per_px), scale) for board in boards), len(corners))
+    lattices = grow(smooth, corners, link(smooth, corners))
+    boards = [belonging(upright(lattice)) for lattice in lattices]
+    larger = tuple((_larger(board, per_px), scale) for board in boards if len(board))
+    return _Seen(larger, len(corners))
 
 
 def _larger(board: Board, per_px: Array) -> Board:

@@ -17,6 +17,14 @@ _ASIDE = np.radians(20.0)
 _RIVALS = 4
 """How many corners along an edge are tried; chosen, because strays lie beside few edges."""
 
+_AROUND = 40
+"""How many corners around one are looked at: a third neighbour's ring has 36."""
+
+_LEAP = 1.6
+"""How much longer than the edge behind a corner the one ahead may be: two boards side by side
+must not grow together. In the rendered photographs, 45° and strong barrel included, it is at most
+1.35 times as long (`python -m tests.benchmarks.boards`)."""
+
 _ALONG = np.linspace(0.2, 0.8, 7)
 """Where along an edge contrast is measured, away from its ends' blur."""
 
@@ -62,39 +70,57 @@ def link(smooth: Grey, corners: Corners) -> Links:
         corners: Those that passed the ring test.
     """
     n = len(corners)
+    if n < 2:
+        nothing = np.full((n, 4), NONE)
+        return Links(nothing, np.zeros_like(nothing))
     rivals = [_rivals(corners, first) for first in range(0, n, _ROWS)]
-    if not rivals:
-        nothing = np.full((0, 4), NONE)
-        return Links(nothing, nothing)
     to, back = (np.concatenate(parts) for parts in zip(*rivals, strict=True))
     good = _has_contrast(smooth, corners, to) & (to != NONE)
     first = np.argmax(good, axis=2)[..., None]
     found = np.take_along_axis(good, first, 2)[..., 0]
     chosen = np.where(found, np.take_along_axis(to, first, 2)[..., 0], NONE)
     returning = np.where(found, np.take_along_axis(back, first, 2)[..., 0], 0)
-    mutual = found & (chosen[chosen, returning] == np.arange(n)[:, None])
-    return Links(np.where(mutual, chosen, NONE), np.where(mutual, returning, 0))
+    return _mutual(chosen, _without_leaps(corners, chosen), returning)
+
+
+def _mutual(chosen: NDArray[np.int64], good: NDArray[np.bool_], back: NDArray[np.int64]) -> Links:
+    """Links whose two ends choose each other."""
+    every = np.arange(len(chosen))[:, None]
+    mutual = good & good[chosen, back] & (chosen[chosen, back] == every)
+    return Links(np.where(mutual, chosen, NONE), np.where(mutual, back, 0))
+
+
+def _without_leaps(corners: Corners, to: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Which edges are there and not much longer than their continuation behind the corner."""
+    offset = corners.points[to] - corners.points[:, None]
+    length = np.where(to == NONE, np.inf, np.hypot(offset[..., 0], offset[..., 1]))
+    behind = np.roll(length, 2, axis=1)
+    return (to != NONE) & (length < _LEAP * behind)
 
 
 def _rivals(corners: Corners, first: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """The nearest corners along each edge of some corners, and their edges that lead back."""
     here = slice(first, first + _ROWS)
-    offset = corners.points[None] - corners.points[here, None]
-    length = np.hypot(offset[..., 0], offset[..., 1])
-    towards = np.arctan2(offset[..., 1], offset[..., 0])
-    arriving = _turn(corners.rays[None] - (towards + np.pi)[..., None])
+    x, y = (corners.points[None, :, k] - corners.points[here, None, k] for k in (0, 1))
+    squared = x * x + y * y
+    around = min(_AROUND, len(corners))
+    near = np.argpartition(squared, around - 1, axis=1)[:, :around]
+    x, y = (np.take_along_axis(each, near, 1) for each in (x, y))
+    length, towards = np.hypot(x, y), np.arctan2(y, x)
+    arriving = _turn(corners.rays[near] - (towards + np.pi)[..., None])
     back = np.argmin(arriving, axis=2)
-    every = np.arange(len(corners))
     fits = (arriving.min(axis=2) < _ASIDE) & (length > 0)
-    nearest, edges = [], []
+    nearest: list[NDArray[np.int64]] = []
+    edges: list[NDArray[np.int64]] = []
     for ray in range(4):
         leaves = _turn(towards - corners.rays[here, ray, None]) < _ASIDE
-        opposite = corners.signs[every, back] == -corners.signs[here, ray, None]
+        opposite = corners.signs[near, back] == -corners.signs[here, ray, None]
         far = np.where(fits & leaves & opposite, length, np.inf)
         order = np.argsort(far, axis=1)[:, :_RIVALS]
         known = np.isfinite(np.take_along_axis(far, order, 1))
         pad = ((0, 0), (0, _RIVALS - order.shape[1]))
-        nearest.append(np.pad(np.where(known, order, NONE), pad, constant_values=NONE))
+        found = np.where(known, np.take_along_axis(near, order, 1), NONE)
+        nearest.append(np.pad(found, pad, constant_values=NONE))
         edges.append(np.pad(np.take_along_axis(back, order, 1), pad))
     return np.stack(nearest, axis=1), np.stack(edges, axis=1)
 
