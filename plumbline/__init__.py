@@ -23,29 +23,13 @@ if TYPE_CHECKING:
     )
     from plumbline.errors import (
         CollapsedFitError as CollapsedFitError,
-    )
-    from plumbline.errors import (
         DegenerateLinesError as DegenerateLinesError,
-    )
-    from plumbline.errors import (
         FoldedError as FoldedError,
-    )
-    from plumbline.errors import (
         OptionError as OptionError,
-    )
-    from plumbline.errors import (
         PlumblineError as PlumblineError,
-    )
-    from plumbline.errors import (
         ReadError as ReadError,
-    )
-    from plumbline.errors import (
         UnsettledError as UnsettledError,
-    )
-    from plumbline.errors import (
         UnsupportedModelError as UnsupportedModelError,
-    )
-    from plumbline.errors import (
         WriteError as WriteError,
     )
     from plumbline.fit.bootstrap import (
@@ -53,8 +37,6 @@ if TYPE_CHECKING:
     )
     from plumbline.fit.calibrate import (
         calibrate as calibrate,
-    )
-    from plumbline.fit.calibrate import (
         calibrate_many as calibrate_many,
     )
     from plumbline.fit.choice.compare import (
@@ -71,32 +53,20 @@ if TYPE_CHECKING:
     )
     from plumbline.imaging.batch import (
         Outcome as Outcome,
-    )
-    from plumbline.imaging.batch import (
         correct_many as correct_many,
     )
     from plumbline.imaging.correct import (
         Corrected as Corrected,
-    )
-    from plumbline.imaging.correct import (
         correct as correct,
-    )
-    from plumbline.imaging.correct import (
         correct_array as correct_array,
     )
     from plumbline.models import (
         MODELS as MODELS,
-    )
-    from plumbline.models import (
         get_model as get_model,
     )
     from plumbline.observations import (
         Line as Line,
-    )
-    from plumbline.observations import (
         Observations as Observations,
-    )
-    from plumbline.observations import (
         Photo as Photo,
     )
     from plumbline.observations.board import (
@@ -107,8 +77,6 @@ if TYPE_CHECKING:
     )
     from plumbline.reading.points import (
         join as join,
-    )
-    from plumbline.reading.points import (
         read as read,
     )
     from plumbline.result.calibration import (
@@ -116,14 +84,10 @@ if TYPE_CHECKING:
     )
     from plumbline.result.comparison import (
         Candidate as Candidate,
-    )
-    from plumbline.result.comparison import (
         Comparison as Comparison,
     )
     from plumbline.result.files import (
         read_calibration as read_calibration,
-    )
-    from plumbline.result.files import (
         read_calibrations as read_calibrations,
     )
     from plumbline.trust.check import (
@@ -134,8 +98,6 @@ if TYPE_CHECKING:
     )
     from plumbline.writing.results import (
         write as write,
-    )
-    from plumbline.writing.results import (
         write_points as write_points,
     )
 
@@ -174,7 +136,7 @@ _HOMES = {
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 
-__all__ = [*sorted([*_HOME_OF, "__version__"])]  # noqa: PLE0604
+__all__ = [*sorted([*_HOME_OF, "__version__"])]  # noqa: PLE0604  # pyright: ignore[reportUnsupportedDunderAll]
 
 
 def __getattr__(name: str) -> object:

@@ -15,8 +15,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from hypothesis import example, given
-from hypothesis import strategies as st
+from hypothesis import example, given, strategies as st
 
 from plumbline.errors import ReadError
 from plumbline.formats.base import Format, ReadOptions, Source

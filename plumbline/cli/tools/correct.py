@@ -127,10 +127,10 @@ def _with_progress(results: Iterable[Outcome], total: int) -> Iterator[Outcome]:
         MofNCompleteColumn,
         Progress,
         ProgressColumn,
+        Task as Shown,
         TextColumn,
         TimeRemainingColumn,
     )
-    from rich.progress import Task as Shown
     from rich.text import Text
 
     class Rate(ProgressColumn):

@@ -21,8 +21,13 @@ def progress_bar(
     narration: Console, what: str, total: int
 ) -> AbstractContextManager[Callable[[int], object]]:
     """A bar on a terminal, nothing elsewhere; yields what advances it by some steps."""
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
-    from rich.progress import TimeRemainingColumn as Remaining
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeRemainingColumn as Remaining,
+    )
 
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), Remaining())
 

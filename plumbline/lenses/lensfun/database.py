@@ -242,8 +242,6 @@ def _why_unreadable(file: str) -> str:
 def _library(files: Sequence[str]) -> Any:
     from lensfunpy import (
         Database as Library,  # pyright: ignore[reportAttributeAccessIssue]
-    )
-    from lensfunpy import (
         LensfunError,  # pyright: ignore[reportAttributeAccessIssue]
     )
 

@@ -13,8 +13,7 @@ import numpy as np
 import pytest
 
 import plumbline
-from plumbline.fit.program import blocks
-from plumbline.fit.program import compiled as programs
+from plumbline.fit.program import blocks, compiled as programs
 from tests.truth import TrueLens
 
 LENS = TrueLens("ptlens", {"a": 0.0213, "b": -0.0864, "c": 0.0321})

@@ -7,8 +7,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Mapping
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from plumbline.errors import OptionError, UnsupportedModelError
 from plumbline.formats.lens_files.lensfun import Distortion, LensfunLens, lensfun_xml, number
