@@ -97,5 +97,6 @@ def command(
         return
     wishes = Wishes(model, free, hold or (), None, "image", True, bootstrap)
     parts = split_by_lens(whole, labels_of(how))
-    made = [tool.with_remarks(each, found) for each in fit_lenses(parts, wishes, narration)]
+    fitted = fit_lenses(parts, wishes, narration)
+    made = [tool.with_remarks(each, found, targets.points) for each in fitted]
     deliver(made, str(targets.points), narration, also=files, **delivery)

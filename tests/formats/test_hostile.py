@@ -21,6 +21,7 @@ from plumbline.errors import ReadError
 from plumbline.formats.base import Format, ReadOptions, Source
 from plumbline.formats.panotools import ptgui, pto
 from plumbline.formats.points import (
+    board,
     csv,
     cvat,
     imagej,
@@ -33,7 +34,7 @@ from plumbline.observations import Observations
 
 FORMATS = {
     module.FORMAT.name: module.FORMAT
-    for module in (ptgui, pto, cvat, labelme, via, imagej, webplotdigitizer, winmorph, csv)
+    for module in (ptgui, pto, cvat, board, labelme, via, imagej, webplotdigitizer, winmorph, csv)
 }
 """What is tested; a new format takes its place here and at least one file in SAMPLES."""
 
@@ -106,6 +107,10 @@ SAMPLES: dict[str, list[bytes]] = {
         json.dumps(
             {"shapes": SHAPES, "imagePath": "a.jpg", "imageHeight": 3, "imageWidth": 4}
         ).encode()
+    ],
+    "board": [
+        b'{"format": "plumbline board", "format_version": 1, "photos": [{"name": "a.jpg", '
+        b'"size": [90, 80], "boards": [[[0, 0, 1.5, 2], [1, 0, 3, 4.25], [2, 0, 5, 6]]]}]}'
     ],
     "via": [
         json.dumps(

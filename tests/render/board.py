@@ -235,7 +235,7 @@ def series(size: tuple[int, int] = (1440, 1080)) -> dict[str, Shot]:
         for number, pose in enumerate(POSES):
             noisy = len(shots) % 4 in (1, 2)
             shots[f"{name}{number}"] = Shot(
-                View(lens, _framed(lens, pose, size), *size),
+                View(lens, framed(lens, pose, size), *size),
                 (BOARD,),
                 seed=100 + len(shots),
                 noise=5.0 if noisy else 0.8,
@@ -245,7 +245,7 @@ def series(size: tuple[int, int] = (1440, 1080)) -> dict[str, Shot]:
     return shots
 
 
-def _framed(lens: Lens, pose: Pose, size: tuple[int, int]) -> Pose:
+def framed(lens: Lens, pose: Pose, size: tuple[int, int]) -> Pose:
     """The pose stepped back or forth, so that the board fills the frame as with a normal lens."""
     zoom = View(lens, pose, *size).focal_px / size[1] / 1.15
     if lens is ACTION:

@@ -14,7 +14,7 @@ from plumbline.boards.array import brightness
 from plumbline.boards.find import look_for_boards
 from plumbline.boards.overlay import Drawing, drawn, sheet, width_of_each
 from plumbline.boards.spacing import spacing
-from plumbline.errors import OptionError, ReadError, WriteError, printable
+from plumbline.errors import OptionError, PlumblineError, ReadError, WriteError, printable
 from plumbline.files import (
     MARK,
     is_same,
@@ -36,6 +36,9 @@ from plumbline.wording import count, listed
 
 POINTS = (".json", ".csv", ".pto")
 OVERLAYS = (".jpg", ".jpeg", ".png")
+
+_WORTHWHILE = 0.9
+"""Share of the rms that must be left for a free centre to be mentioned; chosen."""
 
 _QUALITY = 88
 _NO_BOARD = (
@@ -124,13 +127,44 @@ def together(found: Sequence[Seen]) -> Observations:
     return replace(whole, photos=photos)
 
 
-def with_remarks(made: Calibration, found: Sequence[Seen]) -> Calibration:
-    """The calibration, with remarks on photos without a board and on squares of several sizes."""
+def with_remarks(made: Calibration, found: Sequence[Seen], corners: Path) -> Calibration:
+    """The calibration with what the boards tell beside it.
+
+    Args:
+        made: Fitted to the boards that were found.
+        found: All photographs.
+        corners: The file of corners, which `compare` reads.
+    """
     remarks = [seen.sentence for seen in found if not seen.boards]
     told = spacing(made, [seen.boards for seen in found if seen.boards])
     if told is not None and told.uneven:
         remarks.append(told.sentence)
+    remarks += _about_the_centre(made, corners)
     return replace(made, remarks=(*made.remarks, *remarks))
+
+
+def _about_the_centre(made: Calibration, corners: Path) -> list[str]:
+    """What a free distortion centre would change, where it was held; corners can tell it."""
+    from plumbline.fit.calibrate import calibrate
+
+    if not {"d", "e"}.isdisjoint(made.free):
+        return []
+    free = (*made.free, "d", "e")
+    try:
+        other = calibrate(made.observations, made.model, free=free, robust=True)
+    except PlumblineError:
+        return []
+    if not other.converged or other.rms_after_px > _WORTHWHILE * made.rms_after_px:
+        return []
+    where = " and ".join(
+        f"{name} = {other.coefficients[name]:.1f} ± {other.standard_errors[name]:.1f}"
+        for name in ("d", "e")
+    )
+    return [
+        f"the distortion centre is held at the photo's: free (--free {','.join(free)}) it lies at "
+        f"{where} px, and lines are straight to {other.rms_after_px:.2g} px instead of "
+        f"{made.rms_after_px:.2g} px; plumbline compare {corners} judges it"
+    ]
 
 
 def write(files: Mapping[Path, bytes]) -> None:
