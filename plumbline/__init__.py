@@ -18,6 +18,9 @@ from typing import TYPE_CHECKING
 from plumbline._version import __version__ as __version__
 
 if TYPE_CHECKING:
+    from plumbline.boards.find import (
+        find_board as find_board,
+    )
     from plumbline.errors import (
         CollapsedFitError as CollapsedFitError,
         DegenerateLinesError as DegenerateLinesError,
@@ -69,6 +72,9 @@ if TYPE_CHECKING:
         Observations as Observations,
         Photo as Photo,
     )
+    from plumbline.observations.board import (
+        Board as Board,
+    )
     from plumbline.observations.facts import (
         LensFacts as LensFacts,
     )
@@ -104,6 +110,8 @@ if TYPE_CHECKING:
     )
 
 _HOMES = {
+    "plumbline.boards.find": ("find_board",),
+    "plumbline.observations.board": ("Board",),
     "plumbline.errors": (
         "CollapsedFitError",
         "DegenerateLinesError",
