@@ -26,7 +26,7 @@ from plumbline.ground.state import Layout, State
 
 _MOST_STEPS = 200
 _FIRST_DAMPING, _LEAST_DAMPING, _MOST_DAMPING = 1e-3, 1e-12, 1e12
-_SETTLED = 1e-7
+_SETTLED = 1e-5
 """Largest step over its standard error at which the adjustment ends: chosen, far below any use."""
 
 _RANK = 1e-9

@@ -231,7 +231,9 @@ def _across(
 
 def _camera(network: Network, layout: Layout, start: State, state: State) -> Iterator[Block]:
     if network.focal is not None:
-        scale = start.camera.optics.paraxial_scale / state.camera.optics.paraxial_scale
+        scale = 1.0
+        if layout.refined:  # what EXIF tells belongs to the observed picture
+            scale = start.camera.optics.paraxial_scale / state.camera.optics.paraxial_scale
         away = np.log(network.focal.px * scale / state.camera.focal_px) / network.focal.sigma
         rows = _ones(np.array([FOCAL]), np.array([-1 / network.focal.sigma]), layout.size)
         yield Block("focal length", np.array([away]), rows, np.zeros(1, dtype=np.int64))

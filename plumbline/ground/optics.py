@@ -9,12 +9,13 @@ the model no point has an image; there are ghosts else, ground that maps back in
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
 from plumbline.frame import Array
 from plumbline.lenses.mapping import PhotoLens
+from plumbline.models import Model
 from plumbline.models.inverse import REACH, first_fold, invert
 
 _COMPLEX_STEP = 1e-30
@@ -117,9 +118,9 @@ class Optics:
         frame = self.lens.frame
         return REACH * frame.corner_radius * frame.radius_px / self.lens.unit_px
 
-    @cached_property
+    @property
     def _fold(self) -> float | None:
-        return first_fold(self.lens.model, self._vector, self._reach)
+        return _fold_of(self.lens.model, self.lens.coefficients, self._reach)
 
     def _inside(self, points_px: Array, *, ideal: bool) -> Array:
         """Pixels to normalised coordinates from the lens's centre, as the sensor lies."""
@@ -148,6 +149,11 @@ class Optics:
         c[index] += 1j * _COMPLEX_STEP
         mapped = np.stack(self.lens.model.apply(points[:, 0], points[:, 1], c), axis=-1)
         return np.imag(mapped) / _COMPLEX_STEP
+
+
+@lru_cache(maxsize=64)
+def _fold_of(model: Model, coefficients: tuple[float, ...], reach: float) -> float | None:
+    return first_fold(model, np.array(coefficients), reach)
 
 
 def _inverse(matrices: Array) -> Array:

@@ -8,6 +8,7 @@ ratio, the scale; the spread of their logarithms ranks the cameras.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -71,7 +72,7 @@ class _Grid(NamedTuple):
         return np.stack((right / down, ahead / down), axis=-1)
 
 
-def starts(network: Network, optics: Optics) -> list[State]:
+def starts(network: Network, optics: Optics) -> Iterator[State]:
     """States to start from, the most likely first.
 
     Raises:
@@ -98,7 +99,8 @@ def starts(network: Network, optics: Optics) -> list[State]:
             "no camera over a plane sees all of the picks: some lie on or beyond the horizon",
             hint="remove the points that are not on the ground",
         )
-    return [_laid(grid.camera(index, optics), network) for index in _apart(order, grid.focals)]
+    for index in _apart(order, grid.focals):
+        yield _laid(grid.camera(index, optics), network)
 
 
 def _grid(network: Network, optics: Optics, ideal: Array) -> _Grid:
