@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from plumbline.errors import OptionError
 from plumbline.frame import Array
-from plumbline.ground.camera import N_STEPS, Camera, Seen
+from plumbline.ground.camera import Camera, Seen
 
 CHI_2 = 5.991464547107979
 """95 % of chi square with two degrees of freedom: −2 ln 0.05."""
@@ -158,6 +158,11 @@ def ellipse(covariance: Array) -> tuple[float, float, float]:
     return float(long), float(short), float(np.degrees(np.arctan2(axes[1, 1], axes[0, 1])) % 180.0)
 
 
+def gains(camera: Camera, places_m: Array) -> Array:
+    """Derivative of places on the plane by the camera's steps and coefficients, (n, 2, 9 + k)."""
+    return _gain(camera.see(np.column_stack((places_m, np.zeros(len(places_m))))))
+
+
 def _gain(seen: Seen) -> Array:
     """Derivative of places by camera steps and coefficients, shape (n, 2, 9 + k)."""
     inverse, _ = _inverse_and_lift(seen)
@@ -179,8 +184,3 @@ def _points(points: ArrayLike) -> Array:
     if made.ndim != 2 or made.shape[1] != 2:
         raise OptionError(f"points of shape {made.shape} were given", hint="give shape (n, 2)")
     return made
-
-
-def n_seen(camera: Camera) -> int:
-    """Number of the camera's steps and the lens's coefficients."""
-    return N_STEPS + len(camera.optics.names)

@@ -1,0 +1,116 @@
+"""The camera that the ground alone implies, judged against what EXIF says of it.
+
+With four points nothing else can be checked: any four points fit some camera. A wrong one shows
+by a camera that nobody has.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from plumbline.errors import PlumblineError
+from plumbline.ground.adjustment import Adjustment, adjust
+from plumbline.ground.camera import FOCAL, HEIGHT, TURN, Camera
+from plumbline.ground.network import Focal, Network
+from plumbline.ground.optics import Optics
+
+_AGREES, _DOUBTFUL = 2.0, 3.0
+"""Standard errors up to which two focal lengths agree, and from which they do not; chosen."""
+
+_UNTOLD = 0.5
+"""Relative standard error from which the ground tells no focal length; chosen."""
+
+
+@dataclass(frozen=True)
+class ImpliedCamera:
+    """The camera by the ground alone, without the focal length that was told.
+
+    Attributes:
+        focal_px: Focal length, ideal pixels.
+        focal_error_px: Its standard error.
+        height_m: Height over the plane.
+        height_error_m: Its standard error.
+        pitch_deg: How far it looks up; negative is down.
+        pitch_error_deg: Its standard error.
+        told_px: The focal length that EXIF or the user told, ideal pixels; None without.
+        away: Difference of the two focal lengths in its own standard errors.
+        verdict: In one sentence.
+    """
+
+    focal_px: float
+    focal_error_px: float
+    height_m: float
+    height_error_m: float
+    pitch_deg: float
+    pitch_error_deg: float
+    told_px: float | None
+    away: float | None
+    verdict: str
+
+    @property
+    def agrees(self) -> bool:
+        """Whether the focal lengths do not contradict each other."""
+        return self.away is None or self.away < _DOUBTFUL
+
+
+def implied_camera(network: Network, optics: Optics) -> ImpliedCamera | None:
+    """The camera without any focal length told; None where the ground tells none."""
+    if network.sigma_square_rad is not None:
+        return None
+    try:
+        found = adjust(replace(network, focal=None), optics)
+    except PlumblineError:
+        return None
+    if len(found.undetermined):
+        return None
+    spread = np.sqrt(np.diag(found.cofactor)) * found.widening
+    if spread[FOCAL] > _UNTOLD or spread[HEIGHT] > _UNTOLD:
+        return None
+    camera = found.state.camera
+    away = _away(camera.focal_px, float(spread[FOCAL]), network.focal)
+    return ImpliedCamera(
+        camera.focal_px,
+        float(camera.focal_px * spread[FOCAL]),
+        camera.height_m,
+        float(camera.height_m * spread[HEIGHT]),
+        camera.pitch_deg,
+        pitch_error_deg(found),
+        None if network.focal is None else network.focal.px,
+        away,
+        _verdict(camera.focal_px, away, network),
+    )
+
+
+def pitch_error_deg(found: Adjustment) -> float:
+    """Standard error of the camera's pitch."""
+    up = found.state.camera.rotation[:, 2]
+    by_turn = np.array([-up[1], up[0], 0.0]) / max(float(np.hypot(up[0], up[1])), 1e-9)
+    sure = by_turn @ found.cofactor[TURN, TURN] @ by_turn
+    return float(np.degrees(np.sqrt(max(sure, 0.0)))) * found.widening
+
+
+def angles(camera: Camera) -> tuple[float, float, float]:
+    """Heading, pitch and roll in degrees."""
+    return camera.heading_deg, camera.pitch_deg, camera.roll_deg
+
+
+def _away(focal_px: float, error: float, told: Focal | None) -> float | None:
+    if told is None:
+        return None
+    return abs(float(np.log(focal_px / told.px))) / float(np.hypot(error, told.sigma))
+
+
+def _verdict(focal_px: float, away: float | None, network: Network) -> str:
+    if away is None or network.focal is None:
+        return "no focal length was told, so that the points cannot be checked by it"
+    told = f"{network.focal.px:.0f} px"
+    if away <= _AGREES:
+        return f"it agrees with the {told} that were told ({away:.1f} standard errors apart)"
+    if away < _DOUBTFUL:
+        return f"it hardly agrees with the {told} that were told ({away:.1f} standard errors apart)"
+    return (
+        f"it contradicts the {told} that were told ({away:.1f} standard errors apart): a point, a "
+        "tape or the focal length is wrong"
+    )
