@@ -16,6 +16,7 @@ from plumbline.frame import Array
 from plumbline.ground.adjustment import Adjustment
 from plumbline.ground.camera import Camera
 from plumbline.ground.equations import blocks
+from plumbline.ground.findings import Advice
 from plumbline.ground.network import (
     SIGMA_GROUND_M,
     SIGMA_TAPE_M,
@@ -34,29 +35,13 @@ _BEYOND = 2.0
 _LANE_M = 3.5
 """Distance of two lane edges; a usual lane."""
 
-_TRACED = (1.0, 4.0)
-"""From and to where edges are traced, over the distances of the nearest and the farthest point."""
+_TRACED, _FARTHEST_M = 4.0, 60.0
+"""To where edges are traced: over the distance of the farthest point, but not beyond 60 m, where a
+lane edge is a pixel wide; chosen."""
 
 _PICKS = 10
 _WORTH_IT = 0.1
 """Least share by which an observation must cut the error to be advised; chosen."""
-
-
-@dataclass(frozen=True)
-class Advice:
-    """A further observation.
-
-    Attributes:
-        what: What to do, in words.
-        place_m: Where the error is looked at.
-        now_m: Standard error there as things are, but for the pick's own.
-        then_m: The same with the observation.
-    """
-
-    what: str
-    place_m: tuple[float, float]
-    now_m: float
-    then_m: float
 
 
 @dataclass(frozen=True)
@@ -125,7 +110,7 @@ def _possible(found: Adjustment, view: _View) -> Iterator[tuple[str, Network, St
 def _lines(found: Adjustment, view: _View) -> Iterator[tuple[str, Network, State]]:
     """Two parallel lane edges along the view."""
     network, state = found.network, found.state
-    ends = (_TRACED[0] * view.near_m, _TRACED[1] * view.far_m)
+    ends = (view.near_m, max(min(_TRACED * view.far_m, _FARTHEST_M), view.far_m))
     along = np.geomspace(*ends, _PICKS)
     group, made, anchors = network.n_groups, list[GroundLine](), list[Array]()
     for aside in (-_LANE_M / 2, _LANE_M / 2):

@@ -6,53 +6,22 @@ by a camera that nobody has.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from plumbline.errors import PlumblineError
 from plumbline.ground.adjustment import Adjustment, adjust
 from plumbline.ground.camera import FOCAL, HEIGHT, TURN, Camera
+from plumbline.ground.findings import DOUBTFUL, ImpliedCamera
 from plumbline.ground.network import Focal, Network
 from plumbline.ground.optics import Optics
 
-_AGREES, _DOUBTFUL = 2.0, 3.0
-"""Standard errors up to which two focal lengths agree, and from which they do not; chosen."""
+_AGREES = 2.0
+"""Standard errors up to which two focal lengths agree; chosen."""
 
 _UNTOLD = 0.5
 """Relative standard error from which the ground tells no focal length; chosen."""
-
-
-@dataclass(frozen=True)
-class ImpliedCamera:
-    """The camera by the ground alone, without the focal length that was told.
-
-    Attributes:
-        focal_px: Focal length, ideal pixels.
-        focal_error_px: Its standard error.
-        height_m: Height over the plane.
-        height_error_m: Its standard error.
-        pitch_deg: How far it looks up; negative is down.
-        pitch_error_deg: Its standard error.
-        told_px: The focal length that EXIF or the user told, ideal pixels; None without.
-        away: Difference of the two focal lengths in its own standard errors.
-        verdict: In one sentence.
-    """
-
-    focal_px: float
-    focal_error_px: float
-    height_m: float
-    height_error_m: float
-    pitch_deg: float
-    pitch_error_deg: float
-    told_px: float | None
-    away: float | None
-    verdict: str
-
-    @property
-    def agrees(self) -> bool:
-        """Whether the focal lengths do not contradict each other."""
-        return self.away is None or self.away < _DOUBTFUL
 
 
 def implied_camera(network: Network, optics: Optics) -> ImpliedCamera | None:
@@ -108,7 +77,7 @@ def _verdict(focal_px: float, away: float | None, network: Network) -> str:
     told = f"{network.focal.px:.0f} px"
     if away <= _AGREES:
         return f"it agrees with the {told} that were told ({away:.1f} standard errors apart)"
-    if away < _DOUBTFUL:
+    if away < DOUBTFUL:
         return f"it hardly agrees with the {told} that were told ({away:.1f} standard errors apart)"
     return (
         f"it contradicts the {told} that were told ({away:.1f} standard errors apart): a point, a "

@@ -11,12 +11,8 @@ from numpy.typing import ArrayLike
 from plumbline.errors import OptionError
 from plumbline.frame import Array
 from plumbline.ground.camera import Camera, Seen
-
-CHI_2 = 5.991464547107979
-"""95 % of chi square with two degrees of freedom: −2 ln 0.05."""
-
-Z_95 = 1.959963984540054
-"""95 % of the normal distribution, both sides."""
+from plumbline.ground.findings import Findings
+from plumbline.ground.measure import Kind, Measurement, measured, refuse_number
 
 
 @dataclass(frozen=True)
@@ -35,6 +31,7 @@ class Rectification:
         sigma_pick_px: Standard error of a pick.
         flatness_m: Standard deviation of the plane's unevenness.
         widening: Factor by which contradictions widened all standard errors, 1 without.
+        findings: What there is to say of the adjustment; None in the middle of one.
     """
 
     camera: Camera
@@ -46,6 +43,7 @@ class Rectification:
     sigma_pick_px: float
     flatness_m: float
     widening: float = 1.0
+    findings: Findings | None = None
 
     def to_ground(self, points_px: ArrayLike) -> Array:
         """Places on the plane of observed points.
@@ -120,6 +118,23 @@ class Rectification:
         flat = gains.reshape(-1, size)
         return places, flat @ self.covariance @ flat.T + own
 
+    def measure(
+        self, kind: Kind, names: Sequence[str], picks: Mapping[str, ArrayLike] | None = None
+    ) -> Measurement:
+        """Measure one quantity on the plane.
+
+        Args:
+            kind: "place", "distance", "angle" (at the second of three) or "area" (of a polygon).
+            names: The points, keys of `picks` or points of the adjustment.
+            picks: Further picks in the photo by name, pixels.
+
+        Raises:
+            OptionError: a name is unknown, too few or too many are given, a pick lies on or
+                beyond the horizon, or the polygon crosses itself.
+        """
+        refuse_number(kind, names)
+        return measured(kind, names, *self.joint(names, picks or {}))
+
     def budget(self, point_px: ArrayLike) -> dict[str, Array]:
         """Where the covariance of a pick's place comes from, each share of shape (2, 2).
 
@@ -144,18 +159,6 @@ class Rectification:
         inverse, lift = _inverse_and_lift(seen)
         picked = self.sigma_pick_px**2 * inverse @ inverse.transpose(0, 2, 1)
         return picked + self.flatness_m**2 * lift[:, :, None] * lift[:, None, :]
-
-
-def standard_errors(covariances: Array) -> Array:
-    """Root of the summed variances of each, shape (n, 2, 2) → (n,)."""
-    return np.sqrt(np.trace(covariances, axis1=-2, axis2=-1))
-
-
-def ellipse(covariance: Array) -> tuple[float, float, float]:
-    """The 95 % ellipse: half axes, long and short, and the long one's angle from X in degrees."""
-    values, axes = np.linalg.eigh(covariance)
-    short, long = np.sqrt(CHI_2 * np.maximum(values, 0.0))
-    return float(long), float(short), float(np.degrees(np.arctan2(axes[1, 1], axes[0, 1])) % 180.0)
 
 
 def gains(camera: Camera, places_m: Array) -> Array:

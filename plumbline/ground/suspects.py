@@ -7,13 +7,14 @@ the contradiction is a suspect; a tape whose length is another unit's is told so
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
 
 from plumbline.errors import OptionError, PlumblineError
 from plumbline.ground.adjustment import Adjustment, adjust
+from plumbline.ground.findings import Doubtful
 from plumbline.ground.network import Network
 from plumbline.ground.optics import Optics
 
@@ -33,19 +34,6 @@ _SAME_RATIO = 0.03
 
 _MOST_LOOKED_AT = 8
 """Points and tapes that are left out in turn, the least fitting first; chosen."""
-
-
-@dataclass(frozen=True)
-class Doubtful:
-    """An observation that contradicts the others.
-
-    Attributes:
-        what: "point A" or "tape A-B".
-        off: By how much it is off, in words.
-    """
-
-    what: str
-    off: str
 
 
 def find_suspects(found: Adjustment) -> list[Doubtful]:

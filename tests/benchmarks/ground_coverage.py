@@ -24,8 +24,9 @@ import numpy as np
 
 from plumbline.errors import PlumblineError
 from plumbline.ground.adjustment import adjust
+from plumbline.ground.ellipses import CHI_2, standard_errors
 from plumbline.ground.outcome import rectification_of
-from plumbline.ground.rectification import CHI_2, Rectification, standard_errors
+from plumbline.ground.rectification import Rectification
 from tests.benchmarks.road_scenes import Group, bound, groups, in_datum, observe, optics
 from tests.truth import Array
 

@@ -1,7 +1,7 @@
 """Tape distances: `from,to,metres[,sigma]`, in all dialects of CSV.
 
-    from,to,metres,sigma
-    A,B,3.02,0.01
+from,to,metres,sigma
+A,B,3.02,0.01
 """
 
 from __future__ import annotations
