@@ -9,8 +9,9 @@ lens's source says of coefficients that are not adjusted is added as K Σ Kᵀ, 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from statistics import NormalDist
 
@@ -111,7 +112,8 @@ class Adjustment:
     @property
     def contradictory(self) -> bool:
         """Whether the observations disagree more than their stated errors allow."""
-        return self.redundancy > 0 and self.cost > chi_square_limit(self.redundancy, _LEVEL)
+        limit = chi_square_limit(self.redundancy, _LEVEL) if self.redundancy > 0 else math.inf
+        return self.cost > limit
 
     @cached_property
     def lens_gain(self) -> Array:
@@ -204,7 +206,7 @@ def chi_square_limit(dof: int, level: float) -> float:
     E. Wilson and M. Hilferty (1931); within 1 % from one degree of freedom on.
     """
     z = NormalDist().inv_cdf(1 - level)
-    return dof * (1 - 2 / (9 * dof) + z * np.sqrt(2 / (9 * dof))) ** 3
+    return dof * (1 - 2 / (9 * dof) + z * math.sqrt(2 / (9 * dof))) ** 3
 
 
 def _joined(made: Sequence[Block]) -> tuple[Array, Array]:
@@ -215,8 +217,6 @@ def _joined(made: Sequence[Block]) -> tuple[Array, Array]:
 
 
 def _with_lens(state: State, values: Array) -> State:
-    from dataclasses import replace
-
     camera = state.camera
     return replace(
         state, camera=replace(camera, optics=camera.optics.with_coefficients(values))

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-DOUBTFUL = 3.0
-"""Standard errors from which two focal lengths contradict each other; chosen."""
+AGREES, DOUBTFUL = 2.0, 3.0
+"""Standard errors up to which two focal lengths agree, and from which they contradict; chosen."""
 
 
 @dataclass(frozen=True)

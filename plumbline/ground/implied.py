@@ -12,13 +12,10 @@ import numpy as np
 
 from plumbline.errors import PlumblineError
 from plumbline.ground.adjustment import Adjustment, adjust
-from plumbline.ground.camera import FOCAL, HEIGHT, TURN, Camera
-from plumbline.ground.findings import DOUBTFUL, ImpliedCamera
+from plumbline.ground.camera import FOCAL, HEIGHT, TURN
+from plumbline.ground.findings import AGREES, DOUBTFUL, ImpliedCamera
 from plumbline.ground.network import Focal, Network
 from plumbline.ground.optics import Optics
-
-_AGREES = 2.0
-"""Standard errors up to which two focal lengths agree; chosen."""
 
 _UNTOLD = 0.5
 """Relative standard error from which the ground tells no focal length; chosen."""
@@ -48,7 +45,7 @@ def implied_camera(network: Network, optics: Optics) -> ImpliedCamera | None:
         pitch_error_deg(found),
         None if network.focal is None else network.focal.px,
         away,
-        _verdict(camera.focal_px, away, network),
+        _verdict(away, network),
     )
 
 
@@ -60,22 +57,17 @@ def pitch_error_deg(found: Adjustment) -> float:
     return float(np.degrees(np.sqrt(max(sure, 0.0)))) * found.widening
 
 
-def angles(camera: Camera) -> tuple[float, float, float]:
-    """Heading, pitch and roll in degrees."""
-    return camera.heading_deg, camera.pitch_deg, camera.roll_deg
-
-
 def _away(focal_px: float, error: float, told: Focal | None) -> float | None:
     if told is None:
         return None
     return abs(float(np.log(focal_px / told.px))) / float(np.hypot(error, told.sigma))
 
 
-def _verdict(focal_px: float, away: float | None, network: Network) -> str:
+def _verdict(away: float | None, network: Network) -> str:
     if away is None or network.focal is None:
         return "no focal length was told, so that the points cannot be checked by it"
     told = f"{network.focal.px:.0f} px"
-    if away <= _AGREES:
+    if away <= AGREES:
         return f"it agrees with the {told} that were told ({away:.1f} standard errors apart)"
     if away < DOUBTFUL:
         return f"it hardly agrees with the {told} that were told ({away:.1f} standard errors apart)"

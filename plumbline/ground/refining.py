@@ -45,7 +45,7 @@ def refuse_unrefined(found: Adjustment, *, centre: bool) -> None:
             ]
             raise OptionError(
                 f"the points do not tell {joined(list(network.refined))} well enough: "
-                f"{', '.join(values)}, which is {error:.1f} px of {abs(moved):.1f} px at the corner",
+                f"{', '.join(values)}, {error:.1f} px of {abs(moved):.1f} px at the corner",
                 hint="mark more points, spread to the corners of the photo, or calibrate the lens "
                 "from straight lines; lane edges along the view run radially and say nothing of it",
             )

@@ -108,7 +108,8 @@ def _points(found: Adjustment, optics: Optics) -> Iterator[Doubtful]:
         if other is None or other.contradictory:
             continue
         away = float(np.hypot(*(network.places_m[index] - other.state.places[index, :2])))
-        yield Doubtful(f"point {network.names[index]}", f"{away:.2f} m from where the others put it")
+        off = f"{away:.2f} m from where the others put it"
+        yield Doubtful(f"point {network.names[index]}", off)
 
 
 def _tried(network: Network, optics: Optics) -> Adjustment | None:

@@ -99,7 +99,7 @@ def read_matches(path: str) -> Matches:
         raise source.error("the file holds no match points", hint=_HINT)
     if len(points) > MOST_POINTS:
         raise source.error(
-            f"the file holds {len(points):,} match points, more than the {MOST_POINTS} that are read",
+            f"the file holds {len(points):,} match points; at most {MOST_POINTS} are read",
             hint="leave out those that lie close to others",
         )
     _refuse_doubles(source, points)
@@ -184,7 +184,7 @@ def _convention(header: Sequence[str]) -> tuple[float, float, list[str]]:
     if "mapx" in names:
         return -_EDGE_PX, -1.0, []
     if "pixel x" in names:
-        return -_EDGE_PX, 1.0, ["Global Mapper's pixels were taken as counted from the photo's corner"]
+        return -_EDGE_PX, 1.0, ["Global Mapper's pixels were counted from the photo's corner"]
     return 0.0, 1.0, []
 
 

@@ -7,7 +7,7 @@ A,B,3.02,0.01
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from plumbline.errors import ReadError
 from plumbline.files import read_bytes
@@ -79,9 +79,11 @@ def _number(values: Sequence[str]) -> bool:
     return True
 
 
-def _numbers(table: Table, texts: Sequence[str], row: int, number: object) -> list[float]:
+def _numbers(
+    table: Table, texts: Sequence[str], row: int, number: Callable[[str], float]
+) -> list[float]:
     try:
-        values = [number(text) for text in texts]  # pyright: ignore
+        values = [number(text) for text in texts]
     except ValueError:
         raise table.bad_number(texts, row) from None
     for value in values:
