@@ -36,9 +36,7 @@ Examples:
 @click.option(
     "--distance", type=types.Names(), multiple=True, metavar="A,B", help="From A to B, metres."
 )
-@click.option(
-    "--angle", type=types.Names(), multiple=True, metavar="A,B,C", help="At B, degrees."
-)
+@click.option("--angle", type=types.Names(), multiple=True, metavar="A,B,C", help="At B, degrees.")
 @click.option(
     "--area", type=types.Names(), multiple=True, metavar="A,B,C,…", help="Of a polygon, m²."
 )

@@ -218,6 +218,4 @@ def _joined(made: Sequence[Block]) -> tuple[Array, Array]:
 
 def _with_lens(state: State, values: Array) -> State:
     camera = state.camera
-    return replace(
-        state, camera=replace(camera, optics=camera.optics.with_coefficients(values))
-    )
+    return replace(state, camera=replace(camera, optics=camera.optics.with_coefficients(values)))

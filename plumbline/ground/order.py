@@ -110,9 +110,7 @@ def _turns(points: Array, triples: Array, sigma: float) -> Array:
     return np.sign(area) * (np.abs(area) > _SURE * sigma * longest)
 
 
-def _exchanged(
-    places: Array, photo: Array, triples: Array, sigma: float
-) -> list[tuple[int, int]]:
+def _exchanged(places: Array, photo: Array, triples: Array, sigma: float) -> list[tuple[int, int]]:
     """The pairs whose exchange leaves nothing in disorder, if they are few."""
     found: list[tuple[int, int]] = []
     for pair in combinations(range(len(places)), 2):

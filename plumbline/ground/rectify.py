@@ -155,9 +155,7 @@ def _refined(found: Adjustment) -> list[tuple[str, float, float]]:
     spread = np.sqrt(np.diag(found.cofactor)) * found.widening
     made = [
         (name, float(optics.lens.coefficients[index]), float(spread[layout.lens.start + at]))
-        for at, (name, index) in enumerate(
-            zip(found.network.refined, layout.refined, strict=True)
-        )
+        for at, (name, index) in enumerate(zip(found.network.refined, layout.refined, strict=True))
     ]
     if not np.isfinite(found.network.sigma_centre_px):
         made += [

@@ -129,9 +129,7 @@ def rectification_json(stored: StoredRectification) -> bytes:
         ),
         [
             _Point(name, _two(pick), _two(place))
-            for name, pick, place in zip(
-                found.names, found.picks_px, found.places_m, strict=True
-            )
+            for name, pick, place in zip(found.names, found.picks_px, found.places_m, strict=True)
         ],
         found.sigma_pick_px,
         found.flatness_m,

@@ -62,7 +62,9 @@ def trial(
     group: Group, number: int, *, control: bool = False
 ) -> tuple[Array, Array, Array, float, Array]:
     """One trial: check places covered, points covered, squared errors, σ far away, control."""
-    network, picks, truth = observe(group, np.random.default_rng([crc32(group.name.encode()), number]))
+    network, picks, truth = observe(
+        group, np.random.default_rng([crc32(group.name.encode()), number])
+    )
     lens = optics(group.scene)
     found = rectification_of(adjust(network, lens))
     places, sure = found.to_ground(picks), found.covariances(picks)

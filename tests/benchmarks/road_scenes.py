@@ -131,9 +131,7 @@ def observe(group: Group, rng: np.random.Generator) -> tuple[Network, Array, Arr
         ]
         network = replace(network, tapes=tuple(tapes), places_m=np.full(ground.shape, np.nan))
     if group.lines:
-        edges = [
-            GroundLine(f"edge {x:g}", pick(_edge(x, ends, rng)), 0) for x, ends in EDGES
-        ]
+        edges = [GroundLine(f"edge {x:g}", pick(_edge(x, ends, rng)), 0) for x, ends in EDGES]
         network = replace(network, lines=tuple(edges))
     picks = pick(checks)
     return network, picks, in_datum(checks, ground) if group.taped else checks
@@ -170,10 +168,7 @@ def bound(group: Group) -> Array:
     covariance = np.linalg.inv(information)
     first = 9 + 3 * len(ground)
     return np.stack(
-        [
-            covariance[i : i + 2, i : i + 2]
-            for i in range(first, first + 3 * len(checks), 3)
-        ]
+        [covariance[i : i + 2, i : i + 2] for i in range(first, first + 3 * len(checks), 3)]
     )
 
 

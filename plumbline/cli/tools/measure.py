@@ -32,9 +32,7 @@ def run(picks: str | None, saved: str, how: Mapping[str, Any], *, as_json: bool)
     contents: dict[Path, bytes] = {}
     if how["output"]:
         target = Path(how["output"])
-        refuse_to_clobber(
-            target, [saved, *([picks] if picks else [])], overwrite=how["overwrite"]
-        )
+        refuse_to_clobber(target, [saved, *([picks] if picks else [])], overwrite=how["overwrite"])
         contents[target] = _file(target, stored, made)
     write_atomically(contents)
     if as_json:

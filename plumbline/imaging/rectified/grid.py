@@ -85,9 +85,7 @@ def _span(low: float, high: float, step: float) -> int:
 
 def _refuse_too_large(columns: int, rows: int, resolution_m: float, bytes_each: int) -> None:
     allowed = _SHARE_OF_MEMORY * free_bytes() / bytes_each
-    over = max(
-        float(np.sqrt(columns * rows / allowed)), columns / _MOST_SIDE, rows / _MOST_SIDE
-    )
+    over = max(float(np.sqrt(columns * rows / allowed)), columns / _MOST_SIDE, rows / _MOST_SIDE)
     if over > 1:
         size = columns * rows * bytes_each / 2**30
         raise OptionError(

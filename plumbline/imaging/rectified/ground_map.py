@@ -125,8 +125,7 @@ class GroundMap:
             count: Look at so many rows and columns only, the first and last among them.
         """
         rows, columns = (
-            np.linspace(each.start, each.stop - 1, count or each.stop - each.start)
-            for each in tile
+            np.linspace(each.start, each.stop - 1, count or each.stop - each.start) for each in tile
         )
         forward, world = self.camera.rotation[2], self.grid.world
         by_column, by_row = forward[:2] @ world.matrix

@@ -16,6 +16,16 @@ from plumbline.ground.rectification import Rectification
 
 _MOST_POINTS = 30
 _MOST_ADVICE = 3
+_LEAST_SHOWN_M = 0.0005
+_BUDGET = {
+    "picks": "picks of the points",
+    "points": "places of the points",
+    "flatness": "unevenness at points",
+    "pick": "the pick itself",
+    "unevenness": "unevenness there",
+}
+"""Entries of the budget, for people."""
+
 _AHEAD = (1.0, 1.5, 2.0)
 """Distances that the error is shown at, over that of the farthest point; chosen."""
 
@@ -124,24 +134,20 @@ def _budget(found: Rectification) -> Table:
     """The error of a new pick at places ahead, and where it comes from."""
     places = ahead(found)
     picks = found.to_photo(places)
-    kinds = [*found.shares, "pick", "unevenness"]
-    title = "A new pick's place: 95 % ellipse, standard error, and what it comes from (m)"
+    title = "A new pick's place, metres: standard error, where it comes from, 95 % ellipse"
     table = Table(box=box.SIMPLE, pad_edge=False, title=title, title_justify="left")
-    for heading in ("at X, Y", "95 % ellipse", "σ"):
-        table.add_column(heading, justify="right", no_wrap=True)
+    table.add_column("at X, Y")
+    for x, y in places:
+        table.add_column(f"{x:.1f}, {y:.1f}", justify="right", no_wrap=True)
     shares = [found.budget(pick) for pick in picks]
-    shown = [k for k in kinds if any(_root(each[k]) >= 0.0005 for each in shares)]
-    for kind in shown:
-        table.add_column(kind.replace(" ", "\n"), justify="right", no_wrap=True)
-    for place, pick, share in zip(places, picks, shares, strict=True):
-        sure = found.covariances(pick[None])[0]
-        long, short, _ = ellipse(sure)
-        table.add_row(
-            f"{place[0]:.1f}, {place[1]:.1f}",
-            f"{long:.3f} x {short:.3f}",
-            f"{_root(sure):.3f}",
-            *(f"{_root(share[kind]):.3f}" for kind in shown),
-        )
+    sure = found.covariances(picks)
+    table.add_row("standard error", *(f"{_root(each):.3f}" for each in sure))
+    for kind in shares[0] if shares else ():
+        roots = [_root(share[kind]) for share in shares]
+        if max(roots) >= _LEAST_SHOWN_M:
+            table.add_row(f"  {_BUDGET.get(kind, kind)}", *(f"{root:.3f}" for root in roots))
+    ellipses = [ellipse(each) for each in sure]
+    table.add_row("95 % ellipse", *(f"{long:.2f} x {short:.2f}" for long, short, _ in ellipses))
     return table
 
 
