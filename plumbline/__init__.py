@@ -54,6 +54,15 @@ if TYPE_CHECKING:
     from plumbline.geometry.lens import (
         Lens as Lens,
     )
+    from plumbline.ground.rectification import (
+        Rectification as Rectification,
+    )
+    from plumbline.ground.rectify import (
+        rectify as rectify,
+    )
+    from plumbline.ground.stored import (
+        read_rectification as read_rectification,
+    )
     from plumbline.imaging.batch import (
         Outcome as Outcome,
         correct_many as correct_many,
@@ -130,6 +139,9 @@ _HOMES = {
     "plumbline.formats.known": ("FORMATS",),
     "plumbline.frame": ("Frame",),
     "plumbline.geometry.lens": ("Lens",),
+    "plumbline.ground.rectification": ("Rectification",),
+    "plumbline.ground.rectify": ("rectify",),
+    "plumbline.ground.stored": ("read_rectification",),
     "plumbline.imaging.batch": ("Outcome", "correct_many"),
     "plumbline.imaging.correct": ("Corrected", "correct", "correct_array"),
     "plumbline.models": ("MODELS", "get_model"),

@@ -22,6 +22,7 @@ FLOORS = (
     "formats trust",
     "reading result",
     "fit lenses",
+    "ground",
     "writing imaging boards pairs",
     "report",
     "cli",
