@@ -223,10 +223,12 @@ class Observations:
         one edge, and what they share counts once; a single pick that two lines share is where
         they cross, as in a grid. Notes name the copies.
         """
-        its = [self.photos[line.photo] for line in self.lines]
-        frames = [(photo.lens, photo.size, photo.pixel_aspect) for photo in its]
-        every = zip(self.lines, its, frames, strict=True)
-        photos = [(photo.name or line.photo, frame) for line, photo, frame in every]
+        of_line = [self.photos[line.photo] for line in self.lines]
+        frames = [(photo.lens, photo.size, photo.pixel_aspect) for photo in of_line]
+        photos = [
+            (photo.name or line.photo, *frame)
+            for line, photo, frame in zip(self.lines, of_line, frames, strict=True)
+        ]
         lines, copies = counted_once(self.lines, photos, frames)
         if not copies:
             return self

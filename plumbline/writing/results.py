@@ -150,11 +150,8 @@ def ptlens_values(made: Calibration) -> dict[str, float]:
         UnsupportedModelError: the model has no such form.
     """
     coefficients = made.coefficients
-    if made.model == "poly3":
-        radial = {"a": 0.0, "b": coefficients["k1"], "c": 0.0}
-    elif made.model == "ptlens":
-        radial = {name: coefficients[name] for name in ("a", "b", "c")}
-    else:
+    radial = made.lens.model.ptlens_values(coefficients)
+    if radial is None:
         raise UnsupportedModelError(
             f"a Hugin project cannot hold the model {made.model}",
             hint="fit with --model ptlens, or write -o RESULT.json",
