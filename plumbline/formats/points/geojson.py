@@ -99,7 +99,7 @@ def _points(source: Source, value: object, where: str) -> list[tuple[float, floa
 def _from_corners(observations: Observations) -> Observations:
     """The points counted from the centre of the first pixel, y down."""
     y = np.concatenate([line.points_px[:, 1] for line in observations.lines])
-    upwards = bool(y.size) and y.max() <= 0 and y.min() < -1
+    upwards = bool(y.size and y.max() <= 0 and y.min() < -1)
     scale = np.array([1.0, -1.0 if upwards else 1.0])
     lines = tuple(
         replace(line, points_px=line.points_px * scale - 0.5) for line in observations.lines
