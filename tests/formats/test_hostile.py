@@ -25,7 +25,7 @@ from tests.formats.writers import WRITERS, Lines
 
 X, Y = (10.5, 60.0, 172.5), (20.25, 21.5, 22.0)
 ROI = struct.pack(
-    ">4shBBhhhhH32xhh12x", b"Iout", 228, 5, 0, 20, 10, 24, 180, 3, 0, 128
+    ">4shBBhhhhH30xhh12x", b"Iout", 228, 5, 0, 20, 10, 24, 180, 3, 0, 128
 ) + struct.pack(">6h6f64x", 0, 50, 162, 0, 1, 2, *X, *Y)
 """A polyline of three points, big-endian, as `ij/io/RoiEncoder.java` lays it out."""
 

@@ -55,7 +55,9 @@ def test_polylines_become_lines(encoding: str) -> None:
         ("wall.jpg", (2048, 1536)),
         ("wall.jpg", (4000, 3000)),
     ]
-    assert observations.notes == ("1 shape left aside (1 × box): only polylines are read",)
+    assert observations.notes == (
+        "1 shape left aside (1 × box): only polylines and points are read",
+    )
     rows = observations.lines[1].rows
     assert rows is not None
     assert rows.tolist() == [9, 9, 9]

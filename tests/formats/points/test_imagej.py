@@ -239,3 +239,18 @@ def test_errors_of_selections(content: bytes, message: str) -> None:
 )
 def test_other_files_are_not_claimed(content: bytes) -> None:
     assert not FORMATS["imagej"].recognises(Source("a.csv", content))
+
+
+def test_the_centre_of_mass_stands_in_for_the_centroid() -> None:
+    text = " ,Area,XM,YM,Group\n1,0,10.5,20.5,1\n2,0,5,7,2\n3,0,11,120,1\n"
+    assert FORMATS["imagej"].recognises(Source("Results.csv", text.encode()))
+    found = read(text)
+    assert found.lines[0].points_px.tolist() == [[10.5, 20.5], [11, 120]]
+
+
+def test_a_table_without_coordinates_says_what_to_tick() -> None:
+    text = " ,Area,Mean,Min,Max\n1,0,10.5,20.5,1\n"
+    assert FORMATS["imagej"].recognises(Source("Results.csv", text.encode()))
+    with pytest.raises(ReadError) as caught:
+        read(text)
+    assert "tick Centroid" in caught.value.hint

@@ -63,7 +63,7 @@ def test_other_shapes_are_left_aside_with_a_note() -> None:
     assert len(observations.lines) == 1
     assert observations.notes == (
         "3 shapes left aside (2 × polygon, 1 × rectangle): "
-        "only linestrip, line and points are read",
+        "only linestrip, line, points and point are read",
     )
 
 
