@@ -28,7 +28,8 @@ from plumbline.trust.model_error import ModelError, model_error
 from plumbline.trust.nuisances import DECENTRING, RADIAL, Nuisances, nuisances_of
 from plumbline.trust.picked import picked_range_px, reached_share
 from plumbline.trust.quoted import Quoted
-from plumbline.trust.steadiness import Steadiness, steadiness, widening
+from plumbline.trust.steadiness import Steadiness, steadiness
+from plumbline.trust.student import widening
 from plumbline.trust.suspect import Suspect
 
 ResidualKind = Literal["image", "corrected"]
@@ -181,7 +182,9 @@ class Assessment:
         step, which = self._alone[group]
         columns = np.concatenate((np.ones(len(self.free), dtype=np.bool_), which))
         moved = np.einsum("nik,k->ni", self._moved[..., columns], step.change)
-        return is_clear(step) and float(np.max(np.hypot(*moved.T))) > _MATTERS_PX
+        steady = self.steadiness
+        clear = steady is not None and is_clear(step, steady.dof)
+        return clear and float(np.max(np.hypot(*moved.T))) > _MATTERS_PX
 
     @cached_property
     def _alone(self) -> dict[str, tuple[Step, NDArray[np.bool_]]]:

@@ -16,6 +16,7 @@ from plumbline.frame import Array
 from plumbline.trust.displacement import errors_of
 from plumbline.trust.linearised import Linearised
 from plumbline.trust.nuisances import DECENTRING, RADIAL, Nuisances
+from plumbline.trust.student import widening
 
 _ROUNDS = 3
 """Steps in which σ̂ and the nuisances are found in turn; the third changes less than a percent."""
@@ -23,6 +24,9 @@ _ROUNDS = 3
 
 _FINEST_PX = 1e-3
 """σ̂ below this is rounding."""
+
+_SINGULAR = 1e-6
+"""Share of the largest variance below which a direction is rounding."""
 
 _CLEAR = 3.09
 """Normal quantile of 0.999: chosen, so that the alarm stays rare among thousands of projects."""
@@ -38,6 +42,7 @@ class Step:
         covariance: Of both, with the priors, shape (k + m, k + m).
         by_noise: Covariance that `change` has if there are no nuisances.
         own: Covariance of the free coefficients without nuisances, (k, k).
+        by_lines: Covariance of `change` by leaving out one line at a time.
         sigma_px: σ of one pick that the fit with nuisances leaves.
         n_free: k.
     """
@@ -46,6 +51,7 @@ class Step:
     covariance: Array
     by_noise: Array
     own: Array
+    by_lines: Array
     sigma_px: float
     n_free: int
 
@@ -61,25 +67,39 @@ class Step:
         left -= errors_of(moved[..., : self.n_free], self.own) ** 2
         return np.sqrt(np.maximum(told, 0.0) + np.maximum(left, 0.0))
 
-    def speaks(self) -> tuple[float, int]:
-        """How clearly the picks want the nuisances: χ² under none, and its degrees of freedom."""
-        k = self.n_free
-        change, noise = self.change[k:], self.by_noise[k:, k:]
-        scale = np.sqrt(np.maximum(np.diag(noise), 1e-300))
-        values, vectors = np.linalg.eigh(noise / np.outer(scale, scale))
-        seen = values > 1e-6 * values[-1]
-        projected = vectors[:, seen].T @ (change / scale)
-        return float(np.sum(projected**2 / values[seen])), int(np.count_nonzero(seen))
+    @property
+    def speaks(self) -> float:
+        """χ² of the nuisances under none, where picks err independently."""
+        return _square(self.change[self.n_free :], self.by_noise[self.n_free :, self.n_free :])
+
+    @property
+    def speaks_by_lines(self) -> float:
+        """The same where the picks of a line may err together."""
+        return _square(self.change[self.n_free :], self.by_lines[self.n_free :, self.n_free :])
 
 
-def is_clear(step: Step) -> bool:
-    """Whether the picks want the nuisances beyond doubt: χ² that one good project in 1,000 has.
+def is_clear(step: Step, dof_of_lines: int) -> bool:
+    """Whether the picks want the nuisances beyond doubt, by single picks and by whole lines.
 
-    The point is that of E. Wilson and M. Hilferty (1931), to a percent.
+    χ² that one good project in 1,000 has (E. Wilson and M. Hilferty 1931, to a percent).
+
+    Args:
+        step: The fit with nuisances.
+        dof_of_lines: Degrees of freedom of what leaving out lines says.
     """
-    square, dof = step.speaks()
-    limit = dof * (1 - 2 / (9 * max(dof, 1)) + _CLEAR * np.sqrt(2 / (9 * max(dof, 1)))) ** 3
-    return dof > 0 and square > limit
+    n = len(step.change) - step.n_free
+    limit = n * (1 - 2 / (9 * n) + _CLEAR * np.sqrt(2 / (9 * n))) ** 3
+    by_lines = step.speaks_by_lines / widening(dof_of_lines) ** 2
+    return bool(min(step.speaks, by_lines) > limit)
+
+
+def _square(change: Array, covariance: Array) -> float:
+    """cᵀC⁻¹c, over the directions in which C is not 0."""
+    scale = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
+    values, vectors = np.linalg.eigh(covariance / np.outer(scale, scale))
+    seen = values > _SINGULAR * values[-1]
+    along = vectors[:, seen].T @ (change / scale)
+    return float(np.sum(along**2 / values[seen]))
 
 
 def nuisance_step(
@@ -109,11 +129,13 @@ def nuisance_step(
     prior = np.diag(np.concatenate((np.zeros(k), np.ones(normal.shape[0] - k))))
     square = float(residual_px @ residual_px)
     sigma2 = max(square / max(dof, 1), _FINEST_PX**2)
+    change, covariance = np.zeros(len(normal)), prior
     for _ in range(_ROUNDS):
         variance = sigma2 * widened**2
-        covariance = _inverse(normal / variance + prior)
-        if covariance is None:
+        found = _inverse(normal / variance + prior)
+        if found is None:
             return None
+        covariance = found
         change = -covariance @ pull / variance
         taken = float(np.sum(1 - np.diag(covariance)[k:]))
         left = square + 2 * float(change @ pull) + float(change @ normal @ change)
@@ -125,9 +147,27 @@ def nuisance_step(
         covariance,
         covariance @ seen @ covariance,
         alone * variance,
+        _by_lines(linear, design, residual_px + design @ change, normal + prior * variance),
         float(np.sqrt(sigma2)),
         k,
     )
+
+
+def _by_lines(linear: Linearised, design: Array, residual_px: Array, normal: Array) -> Array:
+    """The jackknife's covariance of all columns of a design (J. Tukey 1958)."""
+    line = linear.line[linear.kept]
+    starts = np.flatnonzero(np.diff(line, prepend=-1))
+    n_lines, size = len(starts), design.shape[1]
+    rest = np.empty((n_lines, size, size))
+    for i, j in zip(*np.triu_indices(size), strict=True):  # one product at a time: picks are many
+        rest[:, i, j] = normal[i, j] - np.add.reduceat(design[:, i] * design[:, j], starts)
+        rest[:, j, i] = rest[:, i, j]
+    pulls = np.add.reduceat(design * residual_px[:, None], starts)
+    scale = np.sqrt(np.diag(normal))
+    balanced = rest / np.outer(scale, scale) + 1e-12 * np.eye(size)
+    shifts = np.linalg.solve(balanced, (pulls / scale)[..., None])[..., 0] / scale
+    away = shifts - shifts.mean(axis=0)
+    return (n_lines - 1) / n_lines * away.T @ away
 
 
 def steps_of(

@@ -16,7 +16,7 @@ import numpy as np
 from plumbline.frame import Array
 from plumbline.trust.displacement import errors_of
 from plumbline.trust.linearised import Linearised
-from plumbline.trust.student import quantile
+from plumbline.trust.student import widening
 
 _DRAWS = 400
 """Chosen, because the 97.5 % point is then known to about 0.8 % of probability."""
@@ -97,15 +97,6 @@ def steadiness(
     limit = max(_LEAST, float(np.quantile(ratios, 1 - _FALSE_ALARM)))
     free_to_vary = int(np.clip(round(float(freedom)), 1, len(used) - 1))
     return Steadiness(own_px, left_out_px, limit, free_to_vary)
-
-
-def widening(dof: int) -> float:
-    """What a standard error with few degrees of freedom is multiplied with before it is quoted.
-
-    Twice the quoted error then covers what twice a standard error covers with many: the 97.5 %
-    point of Student's t over that of the normal distribution.
-    """
-    return quantile(0.975, max(dof, 1)) / quantile(0.975, 10**6)
 
 
 def _drawn(normals: Array, moved: Array, dof: int) -> tuple[Array, Array]:
