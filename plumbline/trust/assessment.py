@@ -37,6 +37,9 @@ ResidualKind = Literal["image", "corrected"]
 _MATTERS_PX = 0.1
 """What less than this moves nobody can pick: chosen, as for the choice of a model."""
 
+_LIKE_OTHERS = 3.5
+"""Standard deviations within which good picks lie: chosen, one in 2,000 lies farther out."""
+
 
 @dataclass(frozen=True, eq=False)
 class Assessment:
@@ -185,6 +188,22 @@ class Assessment:
         steady = self.steadiness
         clear = steady is not None and is_clear(step, steady.dof)
         return clear and float(np.max(np.hypot(*moved.T))) > _MATTERS_PX
+
+    def explains(self, accused: NDArray[np.bool_]) -> bool:
+        """Whether a lens with nuisances leaves accused picks where the others are.
+
+        Args:
+            accused: Which picks are called wrong under the fitted model, line after line, (n,).
+        """
+        step = self._alone[""][0] if "" in self._alone else None
+        linear, others = self.linearised, ~accused
+        if step is None or not np.all(linear.kept) or np.count_nonzero(others) <= self.dof // 2:
+            return False
+        columns = np.concatenate((linear.jacobian, linear.besides), axis=1)
+        left_px = linear.image_px + (columns * linear.in_photo[:, None]) @ step.change
+        share = self.dof / len(left_px)
+        sigma_px = float(np.sqrt(np.mean(left_px[others] ** 2) / share))
+        return bool(np.max(np.abs(left_px[accused])) < _LIKE_OTHERS * sigma_px)
 
     @cached_property
     def _alone(self) -> dict[str, tuple[Step, NDArray[np.bool_]]]:

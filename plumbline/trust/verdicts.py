@@ -28,8 +28,8 @@ the first, and the second still removes 95 % of the bend."""
 _WORTH = 0.9
 """A line is worth picking where it lowers the error by a tenth: chosen."""
 
-_SIGNIFICANT = 2.5
-"""Standard errors from which on one more power is needed: chosen, one in eighty by chance."""
+_SIGNIFICANT = 3.3
+"""Standard errors from which on one more power is needed: chosen, one in a thousand by chance."""
 
 _MATTERS_PX = 0.1
 """What less than this moves nobody can pick: chosen, as for the choice of a model."""
