@@ -32,6 +32,7 @@ if TYPE_CHECKING:
         UnsupportedModelError,
         WriteError,
     )
+    from plumbline.edges.snap import Snapped, snap
     from plumbline.facts import LensFacts
     from plumbline.fit.bootstrap import bootstrap
     from plumbline.fit.calibrate import calibrate, calibrate_many
@@ -61,6 +62,7 @@ _HOMES = {
         "WriteError",
     ),
     "plumbline.comparison": ("Candidate", "Comparison"),
+    "plumbline.edges.snap": ("Snapped", "snap"),
     "plumbline.fit.bootstrap": ("bootstrap",),
     "plumbline.fit.compare": ("compare",),
     "plumbline.suspect": ("Suspect",),
@@ -100,6 +102,7 @@ __all__ = [
     "Photo",
     "PlumblineError",
     "ReadError",
+    "Snapped",
     "Suspect",
     "UnsettledError",
     "UnsupportedModelError",
@@ -117,6 +120,7 @@ __all__ = [
     "read",
     "read_calibration",
     "read_calibrations",
+    "snap",
     "write",
     "write_points",
 ]

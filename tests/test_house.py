@@ -28,6 +28,7 @@ FLOORS = [
     ("lenses",),
     ("photos", "reading", "lensfun_writing", "writing"),
     ("imaging",),
+    ("edges",),
     ("report",),
     ("cli",),
 ]
@@ -174,6 +175,7 @@ def test_the_public_names() -> None:
         "Photo",
         "PlumblineError",
         "ReadError",
+        "Snapped",
         "Suspect",
         "UnsettledError",
         "UnsupportedModelError",
@@ -191,6 +193,7 @@ def test_the_public_names() -> None:
         "read",
         "read_calibration",
         "read_calibrations",
+        "snap",
         "write",
         "write_points",
     ]

@@ -17,6 +17,7 @@ from plumbline.errors import PlumblineError, printable
 
 VERBS = {
     "fit": "Find the distortion that makes picked lines straight.",
+    "snap": "Move picks onto the photograph's edges, to a small part of a pixel.",
     "check": "Say whether the picks can tell the distortion, and what to pick next.",
     "compare": "Compare the distortion models on the same picks, and recommend one.",
     "report": "Show a calibration as a page with figures, tables and checksums.",
