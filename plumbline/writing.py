@@ -83,9 +83,7 @@ def write_points(observations: Observations, path: str | Path, *, overwrite: boo
     return target
 
 
-def points_bytes(
-    observations: Observations, target: Path, *, overwrite: bool = False
-) -> bytes:
+def points_bytes(observations: Observations, target: Path, *, overwrite: bool = False) -> bytes:
     """What `write_points` writes, after its checks; nothing is written yet.
 
     Raises:

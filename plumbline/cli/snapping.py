@@ -19,9 +19,7 @@ if TYPE_CHECKING:
 _KINDS = {"dark": "groove", "bright": "wire", "either": "edge of both signs"}
 
 
-def snapped(
-    parts: Sequence[Observations], photo: str | None, narration: Console
-) -> list[Snapped]:
+def snapped(parts: Sequence[Observations], photo: str | None, narration: Console) -> list[Snapped]:
     """Snap one lens's lines after the other's.
 
     Args:

@@ -125,9 +125,12 @@ def _measured(guide: Guide, strip: Strip, profile: Profile, window_px: float) ->
     place = np.where(significant & (strength > _LEAST * usual), offset[where] + shift, np.nan)
     good = np.isfinite(place)
     steepness = np.where(good, -bend, np.nan)
-    error = _errors(place, steepness, strip) * guide.cosine[
-        np.clip((strip.along - guide.first).astype(np.int64), 0, len(guide.across) - 1)
-    ]
+    error = (
+        _errors(place, steepness, strip)
+        * guide.cosine[
+            np.clip((strip.along - guide.first).astype(np.int64), 0, len(guide.across) - 1)
+        ]
+    )
     clipped = _clipped(strip, good)
     made = Samples(guide, strip.along, place, error, good, clipped, profile)
     return _without_strays(made)

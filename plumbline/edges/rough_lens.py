@@ -21,7 +21,7 @@ _STRONGEST = 0.45
 """Largest l1 of the division model that is tried: a fisheye's, 20 % at the corner and more."""
 
 _TRIED = 61
-_POWERS = (1, 2, 3)
+_POWERS = (1, 2, 3, 4)
 _PRIOR = 0.3
 """Standard deviation that is expected of a coefficient: keeps lines near the centre, which say
 nothing of the corner, from inventing a lens."""
@@ -97,8 +97,11 @@ def polynomial(lines: Sequence[Array], start: RoughLens) -> RoughLens:
         normal += np.eye(len(c)) * (1 / _PRIOR**2) * (1 + damping)
         gradient = (slope * heavy[:, None]).T @ (values * heavy) / unit**2 + (c - first) / _PRIOR**2
         c = c - np.linalg.solve(normal, gradient)
-    vector = dict(zip(("a1", "a2", "a3"), map(float, c), strict=True)) | {"d": 0.0, "e": 0.0}
-    lens = Lens(get_model("radial:1,2,3"), frame, vector)
+    vector = dict(zip((f"a{power}" for power in _POWERS), map(float, c), strict=True)) | {
+        "d": 0.0,
+        "e": 0.0,
+    }
+    lens = Lens(get_model("radial:" + ",".join(map(str, _POWERS))), frame, vector)
     if lens.fold_radius_px() is not None:
         return start
     return _rated(lens, problem.residuals(_factor(c)), problem, len(c))

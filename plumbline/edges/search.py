@@ -74,11 +74,7 @@ class Curve(NamedTuple):
 
     def offset(self, share: Array) -> Array:
         """Offsets at shares 0 to 1 of the guide."""
-        return (
-            self.start
-            + (self.end - self.start) * share
-            + 4 * self.sag * share * (1 - share)
-        )
+        return self.start + (self.end - self.start) * share + 4 * self.sag * share * (1 - share)
 
 
 @dataclass(frozen=True, eq=False)

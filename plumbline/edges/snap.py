@@ -120,12 +120,15 @@ def _trace_all(
     scatter = float(np.clip(1.5 * first.scatter_px, *_SCATTER_PX)) if lens is None else SCATTER_PX
     rough = lens or first.lens
     traced = [_traced(line, lights, rough, scatter, None) for line in lines]
-    for _ in range(2):
+    for sag in (_KNOWN_SAG_PX, None):  # all again, then those that were refused with more room
         better = _lens_of(lines, traced, first)
         if better is None:
             return tuple(traced), rough
         rough = better.lens if lens is None else lens
-        traced = [_traced(line, lights, rough, scatter, _KNOWN_SAG_PX) for line in lines]
+        traced = [
+            each if sag is None and each.found else _traced(line, lights, rough, scatter, sag)
+            for line, each in zip(lines, traced, strict=True)
+        ]
     return _without_bent(lines, traced, first), rough
 
 
@@ -138,9 +141,7 @@ def _traced(
     return trace(light, line.points_px, lens, scatter_px=scatter, sag_px=sag)
 
 
-def _lens_of(
-    lines: Sequence[Line], traced: Sequence[Traced], first: RoughLens
-) -> RoughLens | None:
+def _lens_of(lines: Sequence[Line], traced: Sequence[Traced], first: RoughLens) -> RoughLens | None:
     """A lens fitted to the edges that were traced; None where they are too few."""
     found = [condensed(each, SAMPLES).points_px for each in traced if each.found]
     found = [points for points in found if len(points) >= _LEAST_LINES]
