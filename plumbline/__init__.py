@@ -15,41 +15,91 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from plumbline._version import __version__
+from plumbline._version import __version__ as __version__
 
 if TYPE_CHECKING:
-    from plumbline.calibration import Calibration
-    from plumbline.checks import Check
-    from plumbline.comparison import Candidate, Comparison
-    from plumbline.errors import (
-        CollapsedFitError,
-        DegenerateLinesError,
-        FoldedError,
-        OptionError,
-        PlumblineError,
-        ReadError,
-        UnsettledError,
-        UnsupportedModelError,
-        WriteError,
+    from plumbline.edges.snap import (
+        Snapped as Snapped,
+        snap as snap,
     )
-    from plumbline.edges.snap import Snapped, snap
-    from plumbline.facts import LensFacts
-    from plumbline.fit.bootstrap import bootstrap
-    from plumbline.fit.calibrate import calibrate, calibrate_many
-    from plumbline.fit.compare import compare
-    from plumbline.formats.known import FORMATS
-    from plumbline.frame import Frame
-    from plumbline.imaging.batch import Outcome, correct_many
-    from plumbline.imaging.correct import Corrected, correct, correct_array
-    from plumbline.lens import Lens
-    from plumbline.models import MODELS, get_model
-    from plumbline.observations import Line, Observations, Photo
-    from plumbline.reading import join, read, read_calibration, read_calibrations
-    from plumbline.suspect import Suspect
-    from plumbline.writing import write, write_points
+    from plumbline.errors import (
+        CollapsedFitError as CollapsedFitError,
+        DegenerateLinesError as DegenerateLinesError,
+        FoldedError as FoldedError,
+        OptionError as OptionError,
+        PlumblineError as PlumblineError,
+        ReadError as ReadError,
+        UnsettledError as UnsettledError,
+        UnsupportedModelError as UnsupportedModelError,
+        WriteError as WriteError,
+    )
+    from plumbline.fit.bootstrap import (
+        bootstrap as bootstrap,
+    )
+    from plumbline.fit.calibrate import (
+        calibrate as calibrate,
+        calibrate_many as calibrate_many,
+    )
+    from plumbline.fit.choice.compare import (
+        compare as compare,
+    )
+    from plumbline.formats.known import (
+        FORMATS as FORMATS,
+    )
+    from plumbline.frame import (
+        Frame as Frame,
+    )
+    from plumbline.geometry.lens import (
+        Lens as Lens,
+    )
+    from plumbline.imaging.batch import (
+        Outcome as Outcome,
+        correct_many as correct_many,
+    )
+    from plumbline.imaging.correct import (
+        Corrected as Corrected,
+        correct as correct,
+        correct_array as correct_array,
+    )
+    from plumbline.models import (
+        MODELS as MODELS,
+        get_model as get_model,
+    )
+    from plumbline.observations import (
+        Line as Line,
+        Observations as Observations,
+        Photo as Photo,
+    )
+    from plumbline.observations.facts import (
+        LensFacts as LensFacts,
+    )
+    from plumbline.reading.points import (
+        join as join,
+        read as read,
+    )
+    from plumbline.result.calibration import (
+        Calibration as Calibration,
+    )
+    from plumbline.result.comparison import (
+        Candidate as Candidate,
+        Comparison as Comparison,
+    )
+    from plumbline.result.files import (
+        read_calibration as read_calibration,
+        read_calibrations as read_calibrations,
+    )
+    from plumbline.trust.check import (
+        Check as Check,
+    )
+    from plumbline.trust.suspect import (
+        Suspect as Suspect,
+    )
+    from plumbline.writing.results import (
+        write as write,
+        write_points as write_points,
+    )
 
 _HOMES = {
-    "plumbline.calibration": ("Calibration",),
     "plumbline.errors": (
         "CollapsedFitError",
         "DegenerateLinesError",
@@ -61,69 +111,29 @@ _HOMES = {
         "UnsupportedModelError",
         "WriteError",
     ),
-    "plumbline.comparison": ("Candidate", "Comparison"),
     "plumbline.edges.snap": ("Snapped", "snap"),
     "plumbline.fit.bootstrap": ("bootstrap",),
-    "plumbline.fit.compare": ("compare",),
-    "plumbline.suspect": ("Suspect",),
-    "plumbline.checks": ("Check",),
     "plumbline.fit.calibrate": ("calibrate", "calibrate_many"),
+    "plumbline.fit.choice.compare": ("compare",),
     "plumbline.formats.known": ("FORMATS",),
     "plumbline.frame": ("Frame",),
+    "plumbline.geometry.lens": ("Lens",),
     "plumbline.imaging.batch": ("Outcome", "correct_many"),
     "plumbline.imaging.correct": ("Corrected", "correct", "correct_array"),
-    "plumbline.lens": ("Lens",),
     "plumbline.models": ("MODELS", "get_model"),
-    "plumbline.facts": ("LensFacts",),
     "plumbline.observations": ("Line", "Observations", "Photo"),
-    "plumbline.reading": ("join", "read", "read_calibration", "read_calibrations"),
-    "plumbline.writing": ("write", "write_points"),
+    "plumbline.observations.facts": ("LensFacts",),
+    "plumbline.reading.points": ("join", "read"),
+    "plumbline.result.calibration": ("Calibration",),
+    "plumbline.result.comparison": ("Candidate", "Comparison"),
+    "plumbline.result.files": ("read_calibration", "read_calibrations"),
+    "plumbline.trust.check": ("Check",),
+    "plumbline.trust.suspect": ("Suspect",),
+    "plumbline.writing.results": ("write", "write_points"),
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 
-__all__ = [
-    "FORMATS",
-    "MODELS",
-    "Calibration",
-    "Candidate",
-    "Check",
-    "CollapsedFitError",
-    "Comparison",
-    "Corrected",
-    "DegenerateLinesError",
-    "FoldedError",
-    "Frame",
-    "Lens",
-    "LensFacts",
-    "Line",
-    "Observations",
-    "OptionError",
-    "Outcome",
-    "Photo",
-    "PlumblineError",
-    "ReadError",
-    "Snapped",
-    "Suspect",
-    "UnsettledError",
-    "UnsupportedModelError",
-    "WriteError",
-    "__version__",
-    "bootstrap",
-    "calibrate",
-    "calibrate_many",
-    "compare",
-    "correct",
-    "correct_array",
-    "correct_many",
-    "get_model",
-    "join",
-    "read",
-    "read_calibration",
-    "read_calibrations",
-    "snap",
-    "write",
-    "write_points",
-]
+__all__ = [*sorted([*_HOME_OF, "__version__"])]  # noqa: PLE0604  # pyright: ignore[reportUnsupportedDunderAll]
 
 
 def __getattr__(name: str) -> object:
@@ -133,4 +143,4 @@ def __getattr__(name: str) -> object:
 
 
 def __dir__() -> list[str]:
-    return sorted(__all__)
+    return list(__all__)

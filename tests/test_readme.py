@@ -12,7 +12,7 @@ import plumbline
 from plumbline.cli import VERBS
 from plumbline.formats.known import FORMATS
 from plumbline.models import MODELS
-from plumbline.result_json import as_dict
+from plumbline.result.writing import as_dict
 from tests.readme import README, ROOT, blocks, output
 
 TEXT = README.read_text()

@@ -21,7 +21,7 @@ Examples:
 def command(clearing: bool) -> None:
     """Print where the cache is and how much it holds, and clear it if asked to."""
     from plumbline.errors import printable
-    from plumbline.fit.programs import cache_folder, clear, kept
+    from plumbline.fit.program.compiled import cache_folder, clear, kept
     from plumbline.wording import count
 
     folder = cache_folder()

@@ -45,10 +45,10 @@ def command(
     """Read, check, fit, check, print."""
     from rich.console import Console
 
-    from plumbline.cli.checking import as_dict, check_lenses
-    from plumbline.cli.pipeline import parts_of
-    from plumbline.report.checks import print_checks, print_suspects
-    from plumbline.report.terminal import WideConsole, print_title
+    from plumbline.cli.tools.check import as_dict, check_lenses
+    from plumbline.reading.gathering import parts_of
+    from plumbline.report.terminal.checks import print_checks, print_suspects
+    from plumbline.report.terminal.summary import WideConsole, print_title
 
     options.refuse_unknown(model, {"--free": free, "--hold": hold})
     parts = parts_of(points, reading)

@@ -37,9 +37,9 @@ def command(points: tuple[str, ...], robust: bool, as_json: bool, **options: Any
     """Read, compare, print."""
     from rich.console import Console
 
-    from plumbline.cli.fitting import compare_lenses
-    from plumbline.cli.pipeline import parts_of
-    from plumbline.comparison import as_dict
+    from plumbline.cli.tools.fit import compare_lenses
+    from plumbline.reading.gathering import parts_of
+    from plumbline.result.comparison import as_dict
 
     parts = parts_of(points, options)
     comparisons = compare_lenses(parts, Console(stderr=True), robust=robust)
@@ -49,8 +49,8 @@ def command(points: tuple[str, ...], robust: bool, as_json: bool, **options: Any
         whole = {"comparisons": [as_dict(each) for each in comparisons]}
         click.echo(json.dumps(whole, indent=2, ensure_ascii=False, allow_nan=False))
         return
-    from plumbline.report.comparison import print_comparison
-    from plumbline.report.terminal import WideConsole, print_title
+    from plumbline.report.terminal.comparison import print_comparison
+    from plumbline.report.terminal.summary import WideConsole, print_title
 
     console = WideConsole()
     for part, comparison in zip(parts, comparisons, strict=True):

@@ -28,11 +28,11 @@ Example:
 @options.overwriting
 def command(source: str, target: str, overwrite: bool, image: int | None, **how: Any) -> None:
     """Read points and write them."""
-    from plumbline.cli.pipeline import gather
     from plumbline.errors import printable
     from plumbline.files import refuse_unknown_suffix
+    from plumbline.reading.gathering import gather
     from plumbline.wording import count
-    from plumbline.writing import POINT_SUFFIXES, resampling_notes, write_points
+    from plumbline.writing.results import POINT_SUFFIXES, resampling_notes, write_points
 
     with options.wrong_call():
         refuse_unknown_suffix(Path(target), POINT_SUFFIXES, "points")

@@ -116,7 +116,7 @@ def command(
     """Find the lens, correct, print."""
     # The pixels are OpenCV's work; threads of BLAS would only wait for each other.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    from plumbline.cli import correcting
+    from plumbline.cli.tools import correct as correcting
     from plumbline.errors import OptionError
 
     context = click.get_current_context()

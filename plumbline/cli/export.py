@@ -10,7 +10,7 @@ import click
 from plumbline.cli import options
 
 if TYPE_CHECKING:
-    from plumbline.lenses.export_files import ExportedFile
+    from plumbline.writing.files import ExportedFile
 
 _FOCAL = {"focal", "focal_px", "crop_factor"}
 _LABELS = {*_FOCAL, "maker", "lens_name", "mount", "aspect_ratio"}
@@ -68,7 +68,7 @@ def command(
     """Read, convert, write, print."""
     from plumbline.errors import printable
     from plumbline.files import refuse_to_clobber, write_atomically
-    from plumbline.lenses.export_files import export_file
+    from plumbline.writing.files import export_file
 
     useless = (_LABELS - _USED[target]) | _USELESS.get(target, set())
     options.refuse_useless(click.get_current_context(), f"--to {target}", useless)
@@ -94,9 +94,9 @@ def _stmap(result: str, output: Path | None, image: int | None) -> ExportedFile:
     """The sampling map of photos of the size that was calibrated."""
     from plumbline.files import read_bytes
     from plumbline.formats.base import Source
-    from plumbline.imaging.mapfile import map_bytes
+    from plumbline.imaging.maps.mapfile import map_bytes
     from plumbline.lenses.correction import Correction
-    from plumbline.lenses.export_files import ExportedFile, one_lens
+    from plumbline.writing.files import ExportedFile, one_lens
 
     stored = one_lens(Source(result, read_bytes(result)), image)
     path = output or Path(result).with_suffix(".stmap.tif")

@@ -92,12 +92,14 @@ def command(
     """Read, fit, write, print."""
     from rich.console import Console
 
-    from plumbline.cli.fitting import Wishes, draw, fit_lenses
-    from plumbline.cli.pipeline import command_line, parts_of, write_results
+    from plumbline.cli.tools.fit import Wishes, fit_lenses
+    from plumbline.cli.tools.report import draw
     from plumbline.errors import printable
     from plumbline.files import refuse_unknown_suffix
-    from plumbline.report.terminal import WideConsole, print_summary
-    from plumbline.writing import RESULT_SUFFIXES, refuse_unsettled
+    from plumbline.reading.gathering import parts_of
+    from plumbline.report.terminal.summary import WideConsole, print_summary
+    from plumbline.writing.beside import command_line, write_results
+    from plumbline.writing.results import RESULT_SUFFIXES, refuse_unsettled
 
     options.refuse_unknown(model, {"--free": free, "--hold": hold, "--start": start})
     with options.wrong_call():
@@ -111,7 +113,7 @@ def command(
     narration = Console(stderr=True)
     parts = parts_of(points, reading)
     if snap:
-        from plumbline.cli.snapping import snapped
+        from plumbline.cli.tools.snap import snapped
 
         parts = [each.observations for each in snapped(parts, reading["photo"], narration)]
     made = fit_lenses(parts, wishes, narration)
@@ -126,7 +128,7 @@ def command(
     written, notes = write_results(calibrations, output, points[0], drawn, overwrite=overwrite)
     notes += unseen
     if as_json:
-        from plumbline.result_json import to_json
+        from plumbline.result.writing import to_json
 
         click.echo(to_json(calibrations), nl=False)
         for note in notes:

@@ -49,9 +49,9 @@ def command(photos: tuple[str, ...], overwrite: bool, **how: Any) -> None:
             click.echo(f"Wrote {printable(str(added))}")
         return
     options.refuse_useless(context, "lens PHOTO", ["overwrite"])
-    from plumbline.lenses.exif import read_photo
     from plumbline.lenses.lookup import look_up
     from plumbline.lenses.profile import correction
+    from plumbline.photos.exif import read_photo
 
     request = lens_options.request_of(**how)
     for path in photos:

@@ -20,6 +20,6 @@ Example:
 def command() -> None:
     """Print the models, a block each."""
     from plumbline.models import MODELS
-    from plumbline.report.models import models_text
+    from plumbline.report.terminal.models import models_text
 
     click.echo(models_text(MODELS.values()))

@@ -39,18 +39,18 @@ def command(
     """Read, draw, write."""
     from rich.console import Console
 
-    from plumbline.cli.fitting import draw
+    from plumbline.cli.tools.report import draw
     from plumbline.errors import printable
     from plumbline.files import write_atomically
-    from plumbline.report.results import read_results
     from plumbline.report.writing import check_targets
+    from plumbline.result.files import read_calibrations
 
     page = output
     if page is None and not plots:
         page = str(Path(result).with_suffix(".html"))
     with options.wrong_call():
         check_targets(page, plots)
-    calibrations = read_results(result)
+    calibrations = read_calibrations(result)
     contents, notes = draw(
         calibrations,
         page,

@@ -44,12 +44,12 @@ def command(
     """Read points, snap them, write them."""
     from rich.console import Console
 
-    from plumbline.cli.pipeline import gather
-    from plumbline.cli.snapping import described, snapped
+    from plumbline.cli.tools.snap import described, snapped
     from plumbline.errors import printable
     from plumbline.files import refuse_unknown_suffix
+    from plumbline.reading.gathering import gather
     from plumbline.wording import count
-    from plumbline.writing import POINT_SUFFIXES, points_bytes, write_points
+    from plumbline.writing.results import POINT_SUFFIXES, points_bytes, write_points
 
     target = Path(output) if output else Path(points).with_suffix(".snapped.json")
     with options.wrong_call():

@@ -68,10 +68,10 @@ def command(
         options.refuse_useless(click.get_current_context(), f"--method {method}", ["degree"])
     from plumbline.errors import printable
     from plumbline.files import refuse_to_clobber, refuse_unknown_suffix, write_atomically
-    from plumbline.lenses.zoom_files import ZOOM_SUFFIXES, read_zoom_lens, zoom_bytes
-    from plumbline.report.terminal import WideConsole
-    from plumbline.report.zoom import print_zoom
-    from plumbline.report.zoom_plot import PLOT_SUFFIXES, plot_zoom
+    from plumbline.report.figures.zoom import PLOT_SUFFIXES, plot_zoom
+    from plumbline.report.terminal.summary import WideConsole
+    from plumbline.report.terminal.zoom import print_zoom
+    from plumbline.writing.zoom import ZOOM_SUFFIXES, read_zoom_lens, zoom_bytes
 
     with options.wrong_call():
         for name in output:

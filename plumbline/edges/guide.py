@@ -8,7 +8,7 @@ import numpy as np
 
 from plumbline.errors import FoldedError
 from plumbline.frame import Array
-from plumbline.lens import Lens
+from plumbline.geometry.lens import Lens
 
 _NODES = 257
 """Points at which the lens is asked; a curve of 10,000 px radius sags 0.003 px between them on

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from plumbline.errors import OptionError, ReadError
 from plumbline.files import read_bytes
-from plumbline.imaging.picture import decode
-from plumbline.lenses.exif import PhotoFacts, read_photo
-from plumbline.lenses.photo_checks import history_notes
+from plumbline.lenses.photo_history import history_notes
 from plumbline.observations import Observations, Photo
+from plumbline.photos.exif import PhotoFacts, read_photo
+from plumbline.photos.files.picture import decode
 
 PhotoSource = str | Path | NDArray[Any]
 

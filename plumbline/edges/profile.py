@@ -6,14 +6,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from plumbline.edges.response import Kind, answer
+from plumbline.edges.response import Kind, answer, peaks
 from plumbline.edges.strip import Strip
 from plumbline.frame import Array
 
 _WIDER = 1.5
-"""Width of the derivative over that of the edge. The scatter over the bound is √(3 (1 + k²)³ / 8 k⁵)
-for a width of k: 1.48 for 1.2, 1.30 for 1.5, 1.20 at best for 2.2, where neighbours of the edge
-disturb more."""
+"""Width of the derivative over that of the edge. For a width of k the scatter over the bound is
+√(3 (1 + k²)³ / 8 k⁵): 1.48 for 1.2, 1.30 for 1.5, 1.20 at best for 2.2, where neighbours of the
+edge disturb more."""
 
 _WIDTHS_PX = (0.45, 2.4)
 """Least and largest width (standard deviation) that an edge is taken to have: a pixel's own with
@@ -82,14 +82,16 @@ def _width_px(strip: Strip, kind: Kind) -> float:
     A step of blur σ answers C / √(2π (σ² + s²)) to a derivative of width s, a line its cube.
     """
     power = 2 / 3 if kind in ("dark", "bright") else 2
-    tops: list[float] = []
-    for scale in _PAIR_PX:
-        values, offset = answer(strip, kind, scale)
-        near = np.abs(offset) <= _NEAR_PX
-        tops.append(float(np.max(_middle(values)[near])))
-    if not 0 < tops[1] < tops[0]:
+    narrow, wide = (answer(strip, kind, scale) for scale in _PAIR_PX)
+    middle = _middle(narrow[0])
+    peak = peaks(middle[None])[0] & (np.abs(narrow[1]) <= _NEAR_PX)
+    if not peak.any():
         return _WIDTHS_PX[1]
-    ratio = (tops[0] / tops[1]) ** power
+    here = int(np.argmax(np.where(peak, middle, -np.inf)))
+    top = float(np.interp(narrow[1][here], wide[1], _middle(wide[0])))
+    if not 0 < top < middle[here]:
+        return _WIDTHS_PX[1]
+    ratio = (float(middle[here]) / top) ** power
     square = (_PAIR_PX[1] ** 2 - ratio * _PAIR_PX[0] ** 2) / (ratio - 1)
     return float(np.clip(np.sqrt(max(square, 0.0)), *_WIDTHS_PX))
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from plumbline.edges.guide import Guide
 from plumbline.edges.light import CLIPPED, Light
 from plumbline.edges.profile import Profile, profile_of
-from plumbline.edges.response import answer, spread, vertex
+from plumbline.edges.response import answer, peaks, spread, vertex
 from plumbline.edges.search import Curve
 from plumbline.edges.strip import Strip, cut
 from plumbline.frame import Array
@@ -114,7 +114,7 @@ def refined(image: Light, guide: Guide, curve: Curve) -> Samples | None:
 def _measured(guide: Guide, strip: Strip, profile: Profile, window_px: float) -> Samples:
     values, offset = answer(strip, profile.kind, profile.scale_px)
     near = np.abs(offset) <= window_px
-    seen = np.where(near & np.isfinite(values), values, -np.inf)
+    seen = np.where(near & peaks(values), values, -np.inf)
     where = np.clip(np.argmax(seen, axis=1), 1, len(offset) - 2)
     shift, bend = vertex(values, where, strip.step)
     row = np.arange(len(values))

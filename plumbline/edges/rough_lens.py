@@ -11,11 +11,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from plumbline.frame import Array, Frame
-from plumbline.lens import Lens
+from plumbline.geometry.lens import Lens
+from plumbline.geometry.lines import fit_lines, line_numbers
 from plumbline.models import get_model
-from plumbline.straightness import fit_lines, line_numbers
+
+Whole = NDArray[np.int64]
 
 _STRONGEST = 0.45
 """Largest l1 of the division model that is tried: a fisheye's, 20 % at the corner and more."""
@@ -83,7 +86,8 @@ def polynomial(lines: Sequence[Array], start: RoughLens) -> RoughLens:
     l1 = start.lens.coefficients["l1"]
     radius = np.linspace(0.02, frame.corner_radius, 50)
     powers = np.stack([radius**power for power in _POWERS], axis=-1)
-    c = np.linalg.lstsq(powers, 1 / (1 + l1 * radius**2) - 1, rcond=None)[0]
+    solved = np.linalg.lstsq(powers, 1 / (1 + l1 * radius**2) - 1, rcond=None)[0]
+    c: Array = np.asarray(solved, dtype=np.float64)
     first = c.copy()
     weight = np.ones(len(lines))
     damping = 1e-3
@@ -112,8 +116,8 @@ class _Problem:
     """Points line after line, normalised; which line each is of, and pixels a unit."""
 
     points: Array
-    sizes: Array
-    line: Array
+    sizes: Whole
+    line: Whole
     unit_px: float
 
     @staticmethod
@@ -131,7 +135,13 @@ class _Problem:
 
 
 def _factor(c: Array) -> Callable[[Array], Array]:
-    return lambda r: 1 + sum(c[i] * r**power for i, power in enumerate(_POWERS))
+    def factor(r: Array) -> Array:
+        total = np.ones_like(r)
+        for value, power in zip(c, _POWERS, strict=True):
+            total += value * r**power
+        return total
+
+    return factor
 
 
 def _change(problem: _Problem, c: Array, which: int, values: Array) -> Array:

@@ -6,7 +6,6 @@ A curve is a parabola of offsets from the guide: at its start, in its middle, at
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -49,7 +48,7 @@ _GRID = 19
 _KEPT = 6
 """Best coarse curves of each kind that are refined."""
 
-_SAME_PX = 2.0
+SAME_PX = 2.0
 """Curves that are nowhere farther apart are one."""
 
 
@@ -77,8 +76,7 @@ class Curve(NamedTuple):
         return self.start + (self.end - self.start) * share + 4 * self.sag * share * (1 - share)
 
 
-@dataclass(frozen=True, eq=False)
-class Wanted:
+class Wanted(NamedTuple):
     """What the picks ask for.
 
     Attributes:
@@ -87,6 +85,7 @@ class Wanted:
         scatter_px: Standard deviation of a pick across its line.
         reach_px: How far from the guide an edge may be.
         sag_px: How far the middle may be from the straight line between the ends.
+        weight: Of the picks' mean squared distance, against support.
     """
 
     share: Array
@@ -94,6 +93,7 @@ class Wanted:
     scatter_px: float
     reach_px: float
     sag_px: float
+    weight: float = _PICKS
 
 
 def curves(strip: Strip, share: Array, wanted: Wanted) -> list[Curve]:
@@ -105,12 +105,22 @@ def curves(strip: Strip, share: Array, wanted: Wanted) -> list[Curve]:
         wanted: What the picks ask for.
     """
     found: list[Curve] = []
+    far = wanted._replace(weight=0.0)
     for kind in KINDS:
         evidence, first = _evidence(strip, kind)
         if evidence.any():
             found += _of_kind(evidence, first, kind, share, wanted)
+            if kind != "either":
+                found += _of_kind(evidence, first, kind, share, far)
+    found = [curve._replace(score=_score(curve, wanted)) for curve in found]
     found.sort(key=lambda curve: -curve.score)
     return _distinct(found)
+
+
+def _score(curve: Curve, wanted: Wanted) -> float:
+    gap = (curve.offset(wanted.share) - wanted.offset) / wanted.scatter_px
+    signed = _PREFER_SIGNED * (curve.kind == "either")
+    return curve.support - wanted.weight * float(np.mean(gap**2)) - signed
 
 
 def apart(one: Curve, others: Sequence[Curve]) -> Array:
@@ -131,7 +141,7 @@ def _evidence(strip: Strip, kind: Kind) -> tuple[Array, float]:
     edge = peaks(values) & (np.nan_to_num(values) > least)
     if kind in ("dark", "bright"):
         edge &= _between_flanks(strip, values, offset)
-    weight = _TOLERANCE[0] * edge
+    weight: Array = _TOLERANCE[0] * edge.astype(np.float64)
     for distance, share in enumerate(_TOLERANCE[1:], start=1):
         weight[:, distance:] = np.maximum(weight[:, distance:], share * edge[:, :-distance])
         weight[:, :-distance] = np.maximum(weight[:, :-distance], share * edge[:, distance:])
@@ -175,11 +185,11 @@ def _best(
     support = np.where(inside, evidence[np.arange(len(share)), column], 0.0).mean(axis=1)
     at_picks = np.stack((1 - wanted.share, 4 * wanted.share * (1 - wanted.share), wanted.share))
     gap = (grid @ at_picks - wanted.offset) / wanted.scatter_px
-    score = support - _PICKS * np.mean(gap**2, axis=1) - _PREFER_SIGNED * (kind == "either")
+    score = support - wanted.weight * np.mean(gap**2, axis=1) - _PREFER_SIGNED * (kind == "either")
     order = np.argsort(-score, kind="stable")[: 20 * _KEPT]
     made = [
-        Curve(*map(float, grid[index]), kind, float(support[index]), float(score[index]))
-        for index in order
+        Curve(float(a), float(b), float(c), kind, float(support[i]), float(score[i]))
+        for i, (a, b, c) in zip(order, grid[order], strict=True)
     ]
     return _distinct(made)[:_KEPT]
 
@@ -192,5 +202,5 @@ def _distinct(found: Sequence[Curve]) -> list[Curve]:
     while len(left):
         kept.append(found[left[0]])
         gap = np.max(np.abs(shapes[left] - shapes[left[0]]), axis=1)
-        left = left[gap > _SAME_PX]
+        left = left[gap > SAME_PX]
     return kept

@@ -13,7 +13,7 @@ from plumbline.edges.rough_lens import RoughLens, one_coefficient, polynomial
 from plumbline.edges.trace import SCATTER_PX, Traced, condensed, trace
 from plumbline.errors import OptionError
 from plumbline.frame import Array
-from plumbline.lens import Lens
+from plumbline.geometry.lens import Lens
 from plumbline.observations import Line, Observations
 from plumbline.wording import count
 
@@ -121,7 +121,7 @@ def _trace_all(
     rough = lens or first.lens
     traced = [_traced(line, lights, rough, scatter, None) for line in lines]
     for sag in (_KNOWN_SAG_PX, None):  # all again, then those that were refused with more room
-        better = _lens_of(lines, traced, first)
+        better = _lens_of(traced, first)
         if better is None:
             return tuple(traced), rough
         rough = better.lens if lens is None else lens
@@ -129,7 +129,7 @@ def _trace_all(
             each if sag is None and each.found else _traced(line, lights, rough, scatter, sag)
             for line, each in zip(lines, traced, strict=True)
         ]
-    return _without_bent(lines, traced, first), rough
+    return _without_bent(traced, first), rough
 
 
 def _traced(
@@ -141,7 +141,7 @@ def _traced(
     return trace(light, line.points_px, lens, scatter_px=scatter, sag_px=sag)
 
 
-def _lens_of(lines: Sequence[Line], traced: Sequence[Traced], first: RoughLens) -> RoughLens | None:
+def _lens_of(traced: Sequence[Traced], first: RoughLens) -> RoughLens | None:
     """A lens fitted to the edges that were traced; None where they are too few."""
     found = [condensed(each, SAMPLES).points_px for each in traced if each.found]
     found = [points for points in found if len(points) >= _LEAST_LINES]
@@ -150,12 +150,10 @@ def _lens_of(lines: Sequence[Line], traced: Sequence[Traced], first: RoughLens) 
     return polynomial(found, one_coefficient(found, first.lens.frame))
 
 
-def _without_bent(
-    lines: Sequence[Line], traced: Sequence[Traced], first: RoughLens
-) -> tuple[Traced, ...]:
+def _without_bent(traced: Sequence[Traced], first: RoughLens) -> tuple[Traced, ...]:
     """The same with lines refused that bend where the others are straight."""
     which = [index for index, each in enumerate(traced) if each.found]
-    fitted = _lens_of(lines, traced, first)
+    fitted = _lens_of(traced, first)
     if fitted is None or len(fitted.line_rms_px) != len(which):
         return tuple(traced)
     usual = float(np.median(fitted.line_rms_px))

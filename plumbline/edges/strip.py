@@ -72,10 +72,7 @@ def cut(image: Light, guide: Guide, reach_px: int, rows: int, per_px: int = 1) -
 def _interpolated(raw: Light, part: Array) -> Light:
     """Values at a part of a pixel, 0 to 2, beyond the second column of each row (Keys 1981)."""
     whole = part >= 1
-    if whole.any():
-        raw = np.where(whole[:, None], raw[:, 1:], raw[:, :-1])
-    else:
-        raw = raw[:, :-1]
+    raw = np.where(whole[:, None], raw[:, 1:], raw[:, :-1])
     t = (part - whole)[:, None].astype(np.float32)
     weights = (
         ((2 - t) * t - 1) * t / 2,
@@ -84,7 +81,7 @@ def _interpolated(raw: Light, part: Array) -> Light:
         (t - 1) * t * t / 2,
     )
     width = raw.shape[1] - 3
-    total = weights[0] * raw[:, :width]
+    total = (weights[0] * raw[:, :width]).astype(np.float32)
     for shift, weight in enumerate(weights[1:], start=1):
         total += weight * raw[:, shift : shift + width]
     return total

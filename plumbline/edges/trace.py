@@ -11,11 +11,11 @@ from plumbline.edges.guide import Guide, GuideError, through_picks
 from plumbline.edges.light import Light
 from plumbline.edges.refine import Samples, refined
 from plumbline.edges.response import Kind
-from plumbline.edges.search import Curve, Wanted, apart, curves
+from plumbline.edges.search import SAME_PX, Curve, Wanted, apart, curves
 from plumbline.edges.strip import cut
 from plumbline.errors import OptionError
 from plumbline.frame import Array
-from plumbline.lens import Lens
+from plumbline.geometry.lens import Lens
 
 SCATTER_PX = 2.0
 """Scatter of picks that nothing is known of: hand picks on façades scatter by 1 to 3 px."""
@@ -132,14 +132,17 @@ def trace(
     if not good:
         best = max((curve.support for curve in found), default=0.0)
         return _refused(_weak(best), best)
+    if rival:
+        good = [good[0], *_elsewhere(good[0], good[1:])]
     chosen = good[min(rival, len(good) - 1)]
     others = [curve for curve in good if curve is not chosen]
-    rivals = tuple(_rival(guide, curve) for curve in others[:_RIVALS])
+    rivals = tuple(_rival(guide, curve) for curve in _elsewhere(chosen, others)[:_RIVALS])
     samples = refined(image, guide, chosen)
     if samples is None:
         return _refused(_weak(0.0), 0.0, rivals)
     reason = "" if rival else _ambiguous(image, guide, chosen, others, samples)
-    return _judged(samples, picks, scatter_px, rivals, reason)
+    most = np.inf if rival else _AWAY * scatter_px  # a rival is asked for by name
+    return _judged(samples, picks, float(most), rivals, reason)
 
 
 def condensed(traced: Traced, number: int) -> Traced:
@@ -183,6 +186,15 @@ def _rival(guide: Guide, curve: Curve) -> Rival:
     return Rival(guide.points(along, curve.offset(guide.share(along))), curve.support)
 
 
+def _elsewhere(chosen: Curve, others: Sequence[Curve]) -> list[Curve]:
+    """Curves that stay apart from a chosen one and from each other."""
+    kept = [chosen]
+    for other in others:
+        if np.min(np.abs(apart(other, kept))) > 0.5 * SAME_PX:
+            kept.append(other)
+    return kept[1:]
+
+
 def _ambiguous(
     image: Light, guide: Guide, chosen: Curve, others: Sequence[Curve], samples: Samples
 ) -> str:
@@ -194,15 +206,15 @@ def _ambiguous(
         if measured is None or measured.support < samples.support - _AS_GOOD:
             continue
         along = np.linspace(guide.along[0], guide.along[-1], _RIVAL_NODES)
-        gap = measured.smooth(along) - samples.smooth(along)
-        if np.ptp(gap) > _PARALLEL_PX:
-            far = np.max(np.abs(gap))
+        really = measured.smooth(along) - samples.smooth(along)
+        if np.ptp(really) > _PARALLEL_PX:
+            far = np.max(np.abs(really))
             return f"an edge that leaves it by {far:.0f} px is as good, and either may be meant"
     return ""
 
 
 def _judged(
-    samples: Samples, picks: Array, scatter_px: float, rivals: tuple[Rival, ...], reason: str
+    samples: Samples, picks: Array, most_px: float, rivals: tuple[Rival, ...], reason: str
 ) -> Traced:
     along, offset = samples.guide.offsets(picks)
     good = samples.good
@@ -213,7 +225,7 @@ def _judged(
     distance = float(np.sqrt(np.mean((offset - edge) ** 2)) * np.mean(samples.guide.cosine))
     if samples.clipped >= _CLIPPED:
         reason = "its bright side is clipped"
-    if distance > _AWAY * scatter_px:
+    if distance > most_px:
         reason = f"the picks are {distance:.1f} px away from the nearest edge"
     if reason:
         return replace(_refused(reason, support, rivals), distance_px=distance)

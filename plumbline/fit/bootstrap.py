@@ -15,17 +15,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from plumbline.calibration import Calibration
 from plumbline.errors import DegenerateLinesError, OptionError
 from plumbline.fit.outcome import is_settled
 from plumbline.fit.problem import Problem, prepare
-from plumbline.fit.solve import BATCH, solve_many
-from plumbline.fit.task import Solution, Task
+from plumbline.fit.program.solve import BATCH, solve_many
+from plumbline.fit.program.task import Solution, Task
 from plumbline.frame import Array
-from plumbline.ideal import undistorted
-from plumbline.linearised import in_frame
-from plumbline.resampling import Bootstrap
-from plumbline.straightness import fit_lines
+from plumbline.geometry.derivatives import undistorted
+from plumbline.geometry.lines import fit_lines
+from plumbline.result.calibration import Calibration
+from plumbline.trust.bootstrap import Bootstrap
+from plumbline.trust.linearised import in_frame
 
 _LEAST, _MOST = 50, 100_000
 

@@ -9,17 +9,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from plumbline.calibration import Calibration, ResidualKind
 from plumbline.errors import About, CollapsedFitError, DegenerateLinesError, PlumblineError
-from plumbline.fit.blocks import shape_of
 from plumbline.fit.outcome import finish, finish_many
 from plumbline.fit.problem import Problem, Start, prepare, prepare_many
-from plumbline.fit.robust import Robust, robust_fits
-from plumbline.fit.solve import BATCH, launch, solve
-from plumbline.fit.suspects import suspects_of
-from plumbline.fit.task import Solution
+from plumbline.fit.program.blocks import shape_of
+from plumbline.fit.program.solve import BATCH, launch, solve
+from plumbline.fit.program.task import Solution
+from plumbline.fit.robust.fits import Robust, robust_fits
+from plumbline.fit.robust.suspects import suspects_of
 from plumbline.models import get_model
 from plumbline.observations import Observations
+from plumbline.result.calibration import Calibration
+from plumbline.trust.assessment import ResidualKind
 
 _CHUNK = 4 * BATCH
 """Problems that are prepared, fitted, screened and finished in one go."""

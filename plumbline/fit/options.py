@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 from plumbline.errors import OptionError, UnsupportedModelError
-from plumbline.facts import LensFacts
 from plumbline.models import CENTRE, Model
+from plumbline.observations.facts import LensFacts
 
 _NAMES_OF_PTLENS = {"ptlens": {"a": "a", "b": "b", "c": "c"}, "poly3": {"b": "k1"}}
 

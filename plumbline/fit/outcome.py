@@ -7,22 +7,22 @@ from dataclasses import replace
 
 import numpy as np
 
-from plumbline.calibration import Calibration
 from plumbline.errors import About
-from plumbline.fit.blocks import unpack
 from plumbline.fit.problem import Problem
+from plumbline.fit.program.blocks import unpack
+from plumbline.fit.program.task import Solution
 from plumbline.fit.refusals import (
     refuse_bent,
     refuse_collapsed,
     refuse_undetermined,
     refuse_unobservable,
 )
-from plumbline.fit.task import Solution
 from plumbline.fit.uncertainty import corner_errors, sandwich, unit_covariances
 from plumbline.frame import Array
-from plumbline.lens import Lens
+from plumbline.geometry.lens import Lens
+from plumbline.geometry.lines import by_line
 from plumbline.models import CENTRE
-from plumbline.straightness import by_line
+from plumbline.result.calibration import Calibration
 
 _SETTLED_PX = 1e-4
 

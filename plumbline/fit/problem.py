@@ -9,18 +9,18 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from plumbline.calibration import ResidualKind
 from plumbline.errors import About, DegenerateLinesError, OptionError
-from plumbline.facts import LensFacts
-from plumbline.fit.blocks import Packed, pack, unpack
 from plumbline.fit.options import Plan, plan
+from plumbline.fit.program.blocks import Packed, pack, unpack
+from plumbline.fit.program.task import Task
 from plumbline.fit.refusals import degrees_of_freedom, reach_of_lines, refuse_blind
-from plumbline.fit.task import Task
 from plumbline.frame import Array, Frame
-from plumbline.lens import Lens
+from plumbline.geometry.lens import Lens
+from plumbline.geometry.lines import line_numbers
 from plumbline.models import CENTRE, Model
 from plumbline.observations import Observations
-from plumbline.straightness import line_numbers
+from plumbline.observations.facts import LensFacts
+from plumbline.trust.assessment import ResidualKind
 
 Start = Mapping[str, float] | Literal["file"] | None
 

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from plumbline.errors import CollapsedFitError, DegenerateLinesError
 from plumbline.frame import Array
-from plumbline.lens import Lens
-from plumbline.picks import Line
-from plumbline.straightness import direction
+from plumbline.geometry.lens import Lens
+from plumbline.geometry.lines import direction
+from plumbline.observations.picks import Line
 from plumbline.wording import count
 
 _NOISE_FLOOR_PX = 0.1

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plumbline.frame import Array
-from plumbline.linearised import Linearised
 from plumbline.models import Model
+from plumbline.trust.linearised import Linearised
 
 _RADII, _STEP = 12, 1e-6
 

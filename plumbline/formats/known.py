@@ -4,18 +4,17 @@ from __future__ import annotations
 
 from plumbline.errors import OptionError
 from plumbline.files import RESULT
-from plumbline.formats import (
+from plumbline.formats.base import Format, Source
+from plumbline.formats.panotools import ptgui, pto
+from plumbline.formats.points import (
     csv,
     cvat,
     imagej,
     labelme,
-    ptgui,
-    pto,
     via,
     webplotdigitizer,
     winmorph,
 )
-from plumbline.formats.base import Format, Source
 
 FORMATS: dict[str, Format] = {
     module.FORMAT.name: module.FORMAT

@@ -9,24 +9,24 @@ from typing import Any
 import cv2
 import numpy as np
 
-from plumbline.calibration import Calibration
 from plumbline.errors import OptionError
-from plumbline.facts import LensFacts
 from plumbline.files import read_bytes, write_atomically
-from plumbline.imaging.containers.metadata import note_of
+from plumbline.geometry.lens import Lens
 from plumbline.imaging.difference import difference_png
-from plumbline.imaging.encode import encode, format_of
-from plumbline.imaging.maps import SamplingMap
-from plumbline.imaging.picture import Pixels, decode
+from plumbline.imaging.maps.sampling import fold_notes, sampling_of
+from plumbline.imaging.maps.sampling_map import SamplingMap
 from plumbline.imaging.resample import Border, resample
-from plumbline.imaging.sampling import fold_notes, sampling_of
 from plumbline.imaging.settings import Settings
 from plumbline.imaging.targets import SUFFIX, beside, check_target, difference_of
-from plumbline.lens import Lens
 from plumbline.lenses.correction import Correction
-from plumbline.lenses.exif import PhotoFacts, read_photo
 from plumbline.lenses.request import LensRequest
 from plumbline.lenses.stored import StoredLens, of_calibration
+from plumbline.observations.facts import LensFacts
+from plumbline.photos.exif import PhotoFacts, read_photo
+from plumbline.photos.files.encode import encode, format_of
+from plumbline.photos.files.metadata import note_of
+from plumbline.photos.files.picture import Pixels, decode
+from plumbline.result.calibration import Calibration
 
 _CHANNELS = ((), (1,), (2,), (3,), (4,))
 

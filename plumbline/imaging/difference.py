@@ -10,9 +10,9 @@ import cv2
 import numpy as np
 from PIL import Image
 
-from plumbline.imaging.containers.metadata import Metadata, note_of
-from plumbline.imaging.encode import encode
-from plumbline.imaging.picture import Picture, Pixels
+from plumbline.photos.files.encode import encode
+from plumbline.photos.files.metadata import Metadata, note_of
+from plumbline.photos.files.picture import Picture, Pixels
 
 
 def difference_png(before: Picture, after: Picture, target: Path) -> bytes:

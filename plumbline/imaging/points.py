@@ -6,12 +6,12 @@ from dataclasses import replace
 from pathlib import Path
 
 from plumbline.errors import OptionError, ReadError
-from plumbline.facts import LensFacts
 from plumbline.imaging.correct import LensSource, correction_for
 from plumbline.lenses.correction import Correction
-from plumbline.lenses.exif import PhotoFacts, read_photo
 from plumbline.observations import Observations
-from plumbline.reading import read
+from plumbline.observations.facts import LensFacts
+from plumbline.photos.exif import PhotoFacts, read_photo
+from plumbline.reading.points import read
 
 
 def read_points(

@@ -16,7 +16,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from plumbline.imaging.maps import Coordinates, SamplingMap, Tile
+from plumbline.imaging.maps.sampling_map import Coordinates, SamplingMap, Tile
 
 Pixels = NDArray[Any]
 Interpolation = Literal["nearest", "linear", "cubic", "lanczos"]

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from plumbline.errors import OptionError
+from plumbline.imaging.maps.view import SCALES, Scale
 from plumbline.imaging.resample import BORDERS, INTERPOLATIONS, Border, Interpolation
-from plumbline.imaging.view import SCALES, Scale
 
 
 @dataclass(frozen=True)

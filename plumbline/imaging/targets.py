@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from plumbline.errors import OptionError, ReadError, WriteError
-from plumbline.imaging.containers.metadata import CORRECTED
+from plumbline.photos.files.metadata import CORRECTED
 
 SUFFIX = "_corrected"
 DIFFERENCE = "_difference"

@@ -11,9 +11,9 @@ from plumbline.errors import OptionError
 from plumbline.lenses import sources
 from plumbline.lenses.choosing import Candidate, like_note
 from plumbline.lenses.correction import Correction
-from plumbline.lenses.exif import PhotoFacts
 from plumbline.lenses.profile import LensProfile, correction
 from plumbline.lenses.request import LensRequest
+from plumbline.photos.exif import PhotoFacts
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,8 @@ def look_up(photo: PhotoFacts, request: LensRequest) -> LookUp:
         return LookUp(sources.given_outright(photo, request))
     if request.source is not None:
         return LookUp(*sources.find_in_file(photo, request))
-    from plumbline.lenses import lensfun, store
+    from plumbline.lenses import store
+    from plumbline.lenses.lensfun import find as lensfun
 
     own, notes = store.find(photo, request)
     if own is not None:

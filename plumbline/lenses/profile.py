@@ -18,11 +18,11 @@ import numpy as np
 from plumbline.errors import OptionError
 from plumbline.frame import Frame
 from plumbline.lenses.correction import Correction
-from plumbline.lenses.exif import PhotoFacts
 from plumbline.lenses.mapping import TURNS, UPRIGHT, PhotoLens, Turn
-from plumbline.lenses.photo_checks import history_notes, shape, whole_size
+from plumbline.lenses.photo_history import history_notes, shape, whole_size
 from plumbline.lenses.request import LensRequest
 from plumbline.models import Model
+from plumbline.photos.exif import PhotoFacts
 
 _SAME_SHAPE = 0.02
 _FAR = 0.1

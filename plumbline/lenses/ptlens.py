@@ -10,13 +10,13 @@ from __future__ import annotations
 import numpy as np
 
 from plumbline.errors import OptionError, printable
-from plumbline.formats.ptlens_profile import PTLensCamera, PTLensLens, PTLensProfile
+from plumbline.formats.lens_files.ptlens_profile import PTLensCamera, PTLensLens, PTLensProfile
 from plumbline.lenses.choosing import Candidate, choose, like_note, no_camera
-from plumbline.lenses.curves import linear_weights
-from plumbline.lenses.exif import PhotoFacts
 from plumbline.lenses.profile import LensProfile, clamp_focal
 from plumbline.lenses.request import LensRequest
+from plumbline.lenses.zoom.curves import linear_weights
 from plumbline.models import get_model
+from plumbline.photos.exif import PhotoFacts
 from plumbline.wording import listed
 
 

@@ -9,17 +9,17 @@ from pathlib import Path, PurePosixPath
 import numpy as np
 
 from plumbline.errors import OptionError, ReadError, printable
-from plumbline.facts import LensFacts
 from plumbline.files import ZOOM, read_bytes
 from plumbline.formats.base import Source
 from plumbline.frame import Frame
-from plumbline.lens import Lens
+from plumbline.geometry.lens import Lens
 from plumbline.lenses.choosing import Candidate
-from plumbline.lenses.exif import PhotoFacts
 from plumbline.lenses.profile import LensProfile, clamp_focal
 from plumbline.lenses.request import LensRequest
 from plumbline.lenses.stored import StoredLens
 from plumbline.models import CENTRE, get_model
+from plumbline.observations.facts import LensFacts
+from plumbline.photos.exif import PhotoFacts
 from plumbline.wording import listed
 
 _LARGEST = 100.0
@@ -34,8 +34,10 @@ def find_in_file(photo: PhotoFacts, request: LensRequest) -> Found:
     Raises:
         PlumblineError: the file is damaged or holds no lens, or none for this photo.
     """
-    from plumbline.formats import ptlens_profile
-    from plumbline.lenses import lensfun, ptlens, stored_files, zoom_json
+    from plumbline.formats.lens_files import ptlens_profile
+    from plumbline.lenses import ptlens, stored_files
+    from plumbline.lenses.lensfun import find as lensfun
+    from plumbline.lenses.zoom import json as zoom_json
 
     path = request.source or ""
     if Path(path).is_dir():

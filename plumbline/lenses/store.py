@@ -6,19 +6,19 @@ import re
 from dataclasses import replace
 from pathlib import Path
 
-from plumbline.calibration import refuse_unsettled
-from plumbline.consistency import consistent_results
 from plumbline.errors import OptionError, ReadError, UnsettledError, WriteError
-from plumbline.facts import LensFacts
 from plumbline.files import RESULT, ZOOM, read_bytes, write_atomically
 from plumbline.formats.base import Source
-from plumbline.lenses import zoom_json
-from plumbline.lenses.exif import PhotoFacts
 from plumbline.lenses.profile import LensProfile
 from plumbline.lenses.request import LensRequest
 from plumbline.lenses.sources import stored_lens_profile
 from plumbline.lenses.stored_files import stored_lenses
-from plumbline.lenses.zoom_json import StoredZoom
+from plumbline.lenses.zoom import json as zoom_json
+from plumbline.lenses.zoom.json import StoredZoom
+from plumbline.observations.facts import LensFacts
+from plumbline.photos.exif import PhotoFacts
+from plumbline.result.calibration import refuse_unsettled
+from plumbline.result.files import consistent_results
 from plumbline.wording import listed
 
 _MOST_FILES = 10_000

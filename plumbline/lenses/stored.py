@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from plumbline.calibration import Calibration, refuse_unsettled
-from plumbline.facts import LensFacts
 from plumbline.frame import Array
-from plumbline.lens import Lens
+from plumbline.geometry.lens import Lens
 from plumbline.observations import Observations
+from plumbline.observations.facts import LensFacts
+from plumbline.result.calibration import Calibration, refuse_unsettled
 
 
 @dataclass(frozen=True)

@@ -6,19 +6,19 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from plumbline.consistency import consistent_results
 from plumbline.errors import printable
-from plumbline.facts import LensFacts
 from plumbline.files import RESULT
-from plumbline.formats import ptgui, pto
 from plumbline.formats.base import Source
-from plumbline.formats.hugin_ini import read_hugin_ini
-from plumbline.formats.script import ImageRecord, size_of
+from plumbline.formats.panotools import ptgui, pto
+from plumbline.formats.panotools.hugin_ini import read_hugin_ini
+from plumbline.formats.panotools.script import ImageRecord, size_of
 from plumbline.frame import Frame
-from plumbline.lens import Lens
+from plumbline.geometry.lens import Lens
 from plumbline.lenses.stored import StoredLens, of_calibration, projection_note
 from plumbline.models import CENTRE, get_model
 from plumbline.observations import MAX_SIDE
+from plumbline.observations.facts import LensFacts
+from plumbline.result.files import consistent_results
 
 KINDS = "a result JSON, a Hugin or PTGui project, or a Hugin lens .ini"
 

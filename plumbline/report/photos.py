@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from plumbline.calibration import Calibration
 from plumbline.errors import ReadError
 from plumbline.files import is_same, read_bytes
-from plumbline.lenses.exif import read_photo
 from plumbline.observations import Photo
+from plumbline.photos.exif import read_photo
+from plumbline.result.calibration import Calibration
 
 _LONG_SIDE = 1600
 
@@ -128,7 +128,7 @@ def _read(photo: Photo, path: Path) -> Picture:
     """
     import cv2
 
-    from plumbline.imaging.picture import decode
+    from plumbline.photos.files.picture import decode
 
     facts = read_photo(path)
     if photo.frame.size not in (facts.size, facts.stored_size):

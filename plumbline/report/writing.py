@@ -6,14 +6,14 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from plumbline.calibration import Calibration, refuse_unsettled
 from plumbline.errors import WriteError
 from plumbline.files import refuse_to_clobber, refuse_unknown_suffix
 from plumbline.report.photos import Found, find_photos
+from plumbline.result.calibration import Calibration, refuse_unsettled
 
 if TYPE_CHECKING:
-    from plumbline.comparison import Comparison
     from plumbline.report.figures import Subject
+    from plumbline.result.comparison import Comparison
 
 _PAGES = (".html", ".htm")
 _FIGURES = (".png", ".svg")
@@ -55,7 +55,7 @@ def _targets(
 ) -> list[tuple[Path, Subject]]:
     """One file for each lens (each photo for `photo`), numbered from 1 if there are several."""
     from plumbline.report.figures import Subject
-    from plumbline.report.page_figures import shown_photos
+    from plumbline.report.page.figures import shown_photos
 
     name = figure_name(plot)
     subjects = [
@@ -125,7 +125,7 @@ def report_contents(
     inputs += [name for name in (source, photo) if name is not None]
     contents: dict[Path, bytes] = {}
     if report is not None:
-        from plumbline.report.page import Part, page_bytes
+        from plumbline.report.page.document import Part, page_bytes
 
         refuse_to_clobber(Path(report), inputs, overwrite=overwrite)
         compared = comparisons or [None] * len(calibrations)

@@ -37,7 +37,7 @@ from pathlib import Path
 import numpy as np
 
 import plumbline
-from plumbline.displacement import displacement_errors
+from plumbline.trust.displacement import displacement_errors
 from tests.benchmarks.groups import FACADE, FEW, GOPRO, GRID, HALF, NOISE_PX, SLANTED, UNEVEN, lens
 from tests.benchmarks.simulated import Group
 from tests.benchmarks.trials import observations

@@ -26,7 +26,7 @@ A, B, C = 0.032, -0.0978, 0.0417
 PTLENS = ("--ptlens", f"a={A},b={B},c={C}", "-q")
 PLUMBLINE = (sys.executable, "-m", "plumbline", "correct", "photo.jpg", *PTLENS)
 IMPORTS = (
-    "import plumbline.cli.correct, plumbline.cli.correcting, plumbline.lenses.lookup, "
+    "import plumbline.cli.correct, plumbline.cli.tools.correct, plumbline.lenses.lookup, "
     "plumbline.lenses.sources, plumbline.lenses.profile"
 )
 ENVIRONMENT = os.environ | {"PYTHONPATH": str(ROOT)}

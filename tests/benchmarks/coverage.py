@@ -39,7 +39,7 @@ from scipy.optimize import brentq
 from scipy.stats import t as student
 
 import plumbline
-from plumbline.displacement import displacement_errors
+from plumbline.trust.displacement import displacement_errors
 from tests.benchmarks.field import (
     GRID,
     bound,

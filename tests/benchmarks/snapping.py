@@ -123,7 +123,7 @@ def row(number: int, off_px: float, size: tuple[int, int]) -> Row:
     observations = plumbline.Observations.from_arrays(picks, (view.width, view.height))
     made = plumbline.snap(observations, np.ascontiguousarray(picture[..., ::-1]))
     plain = not camera.quality and not camera.sharpening
-    clear = encoded(linear_light(camera, wall)) if plain else None
+    clear = encoded(linear_light(camera, wall)).astype(np.float64) if plain else None
     bends, shifts, scatters = list[float](), list[float](), list[float]()
     for (edge, points), traced in zip(edges, made.lines, strict=True):
         if not traced.found:
@@ -146,7 +146,8 @@ def row(number: int, off_px: float, size: tuple[int, int]) -> Row:
         float(np.median(bends)) if bends else np.nan,
         float(np.median(shifts)) if shifts else np.nan,
         float(np.median(scatters)) if scatters else np.nan,
-        *(corner_error_px(view, fit) for fit in fits),
+        corner_error_px(view, fits[0]),
+        corner_error_px(view, fits[1]),
         np.nan if quoted is None else quoted.worst_px,
         tuple(traced.refusal for traced in made.lines if not traced.found),
     )

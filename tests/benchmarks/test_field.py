@@ -16,8 +16,7 @@ from tests.benchmarks.field import (
     names_of,
     undistorted,
 )
-from tests.benchmarks.groups import ALIKE, lens
-from tests.benchmarks.groups import GRID as GRID_OF_LINES
+from tests.benchmarks.groups import ALIKE, GRID as GRID_OF_LINES, lens
 from tests.benchmarks.simulated import Group
 from tests.truth import Array, TrueLens, distances_px, grid_px, unlike_px
 

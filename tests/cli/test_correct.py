@@ -325,7 +325,7 @@ def test_only_what_is_used_is_imported(tmp_path: Path) -> None:
     script = (
         "import sys\nfrom plumbline.cli import command\n"
         f"command(['correct', 'a.jpg', {', '.join(map(repr, PTLENS))}], standalone_mode=False)\n"
-        "bad = {'jax', 'matplotlib', 'lxml', 'lensfunpy', 'plumbline.formats.csv'}\n"
+        "bad = {'jax', 'matplotlib', 'lxml', 'lensfunpy', 'plumbline.formats.points.csv'}\n"
         "bad &= set(sys.modules)\n"
         "assert not bad, bad\n"
     )

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from plumbline.result_json import to_json
+from plumbline.result.writing import to_json
 from tests.cli.process import plumbline
 from tests.lenses.made import calibration, saved
 

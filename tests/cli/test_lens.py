@@ -82,7 +82,7 @@ def test_coefficients_need_names(coolpix: Path, tmp_path: Path) -> None:
 def test_neither_jax_nor_matplotlib_is_loaded(coolpix: Path) -> None:
     program = (
         "import sys\n"
-        "from plumbline.lenses.exif import read_photo\n"
+        "from plumbline.photos.exif import read_photo\n"
         "from plumbline.lenses.lookup import find_correction\n"
         "from plumbline.lenses.request import LensRequest\n"
         f"find_correction(read_photo({str(coolpix)!r}), LensRequest())\n"

@@ -10,11 +10,12 @@ import pytest
 
 import plumbline
 from plumbline import calibrate
-from plumbline.calibration import Calibration, ResidualKind
 from plumbline.errors import OptionError
 from plumbline.fit.bootstrap import bootstrap
+from plumbline.result.calibration import Calibration
+from plumbline.trust.assessment import ResidualKind
+from tests.fit.robust.test_fits import MOVED, left_out, moved
 from tests.fit.test_calibrate import picked
-from tests.fit.test_robust import MOVED, left_out, moved
 from tests.truth import TrueLens
 
 LENS = TrueLens("ptlens", {"a": 0.02, "b": -0.09, "c": -0.02})

@@ -13,7 +13,6 @@ import pytest
 
 import plumbline
 from plumbline import Observations, calibrate, calibrate_many
-from plumbline.calibration import Calibration
 from plumbline.errors import (
     CollapsedFitError,
     DegenerateLinesError,
@@ -21,12 +20,13 @@ from plumbline.errors import (
     PlumblineError,
     UnsupportedModelError,
 )
-from plumbline.facts import LensFacts
 from plumbline.fit.refusals import refuse_bent, refuse_collapsed
 from plumbline.frame import Frame
-from plumbline.lens import Lens
+from plumbline.geometry.lens import Lens
 from plumbline.models import CENTRE, MODELS, get_model
 from plumbline.observations import Line, Photo
+from plumbline.observations.facts import LensFacts
+from plumbline.result.calibration import Calibration
 from tests import truth
 from tests.truth import TrueLens
 

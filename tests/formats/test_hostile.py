@@ -15,22 +15,20 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from hypothesis import example, given
-from hypothesis import strategies as st
+from hypothesis import example, given, strategies as st
 
 from plumbline.errors import ReadError
-from plumbline.formats import (
+from plumbline.formats.base import Format, ReadOptions, Source
+from plumbline.formats.panotools import ptgui, pto
+from plumbline.formats.points import (
     csv,
     cvat,
     imagej,
     labelme,
-    ptgui,
-    pto,
     via,
     webplotdigitizer,
     winmorph,
 )
-from plumbline.formats.base import Format, ReadOptions, Source
 from plumbline.observations import Observations
 
 FORMATS = {

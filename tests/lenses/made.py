@@ -8,13 +8,13 @@ from pathlib import Path
 
 import numpy as np
 
-from plumbline.calibration import Calibration
-from plumbline.facts import LensFacts
 from plumbline.frame import Array, Frame
-from plumbline.lens import Lens
+from plumbline.geometry.lens import Lens
 from plumbline.models import get_model
 from plumbline.observations import Line, Observations, Photo
-from plumbline.result_json import to_json
+from plumbline.observations.facts import LensFacts
+from plumbline.result.calibration import Calibration
+from plumbline.result.writing import to_json
 
 
 def calibration(

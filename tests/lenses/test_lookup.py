@@ -12,16 +12,16 @@ import pytest
 from PIL import Image
 
 from plumbline.errors import OptionError, PlumblineError, ReadError
-from plumbline.facts import LensFacts
-from plumbline.formats.lensfun import Distortion, LensfunLens, lensfun_xml
+from plumbline.formats.lens_files.lensfun import Distortion, LensfunLens, lensfun_xml
 from plumbline.frame import Array
 from plumbline.lenses.choosing import Candidate
-from plumbline.lenses.exif import PhotoFacts, read_photo
-from plumbline.lenses.lensfun_database import common_database
-from plumbline.lenses.lensfun_profile import interpolated
+from plumbline.lenses.lensfun.database import common_database
+from plumbline.lenses.lensfun.entry import interpolated
 from plumbline.lenses.lookup import find_correction, look_up
 from plumbline.lenses.profile import correction
 from plumbline.lenses.request import LensRequest
+from plumbline.observations.facts import LensFacts
+from plumbline.photos.exif import PhotoFacts, read_photo
 from tests.lenses.library import lensfunpy
 from tests.lenses.made import calibration, saved
 from tests.lenses.photos import photo, real

@@ -9,7 +9,7 @@ import pytest
 
 from plumbline.errors import FoldedError
 from plumbline.frame import Array, Frame
-from plumbline.lens import Lens
+from plumbline.geometry.lens import Lens
 from plumbline.lenses.mapping import TURNS, PhotoLens
 from plumbline.models import get_model
 

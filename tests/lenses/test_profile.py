@@ -7,12 +7,12 @@ import re
 import numpy as np
 import pytest
 
-from plumbline.facts import LensFacts
 from plumbline.frame import Array, Frame
 from plumbline.imaging.correct import correction_for
 from plumbline.lenses.correction import Correction
-from plumbline.lenses.exif import PhotoFacts
 from plumbline.lenses.request import LensRequest
+from plumbline.observations.facts import LensFacts
+from plumbline.photos.exif import PhotoFacts
 from tests.lenses.made import calibration
 from tests.truth import TrueLens
 

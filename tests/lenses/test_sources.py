@@ -9,18 +9,18 @@ import numpy as np
 import pytest
 
 from plumbline.errors import OptionError, UnsettledError, WriteError
-from plumbline.facts import LensFacts
 from plumbline.frame import Array, Frame
+from plumbline.geometry.lens import Lens
 from plumbline.imaging.correct import correction_for
-from plumbline.lens import Lens
 from plumbline.lenses import store
-from plumbline.lenses.exif import PhotoFacts
-from plumbline.lenses.export_files import export_file
 from plumbline.lenses.lookup import find_correction
 from plumbline.lenses.request import LensRequest
-from plumbline.lenses.zoom_files import read_zoom_lens
 from plumbline.models import get_model
-from plumbline.result_json import to_json
+from plumbline.observations.facts import LensFacts
+from plumbline.photos.exif import PhotoFacts
+from plumbline.result.writing import to_json
+from plumbline.writing.files import export_file
+from plumbline.writing.zoom import read_zoom_lens
 from tests.lenses.made import calibration, saved
 from tests.peers.tools import program, run
 

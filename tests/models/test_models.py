@@ -10,12 +10,11 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from hypothesis import assume, example, given, settings
-from hypothesis import strategies as st
+from hypothesis import assume, example, given, settings, strategies as st
 
 from plumbline.errors import FoldedError, OptionError, UnsupportedModelError
 from plumbline.frame import Frame
-from plumbline.lens import Lens
+from plumbline.geometry.lens import Lens
 from plumbline.models import CENTRE, MODELS, Model, get_model
 from plumbline.models.inverse import REACH, first_fold, invert
 from tests import truth

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from plumbline.frame import Array, Frame
-from plumbline.lens import Lens
+from plumbline.geometry.lens import Lens
 from plumbline.models import get_model
 from tests.peers.tools import program, run
 

@@ -12,9 +12,9 @@ import pytest
 from lxml import etree  # pyright: ignore[reportAttributeAccessIssue]
 
 import plumbline
-from plumbline.formats.lensfun import Distortion, LensfunLens, lensfun_xml
+from plumbline.formats.lens_files.lensfun import Distortion, LensfunLens, lensfun_xml
 from plumbline.frame import Array, Frame
-from plumbline.lens import Lens
+from plumbline.geometry.lens import Lens
 from plumbline.models import get_model
 from tests.truth import TrueLens
 

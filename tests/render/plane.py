@@ -90,8 +90,7 @@ class _Canvas:
         x = pose.x + pose.distance * rays[..., 0] / ahead
         y = pose.eye - pose.distance * rays[..., 1] / ahead
         self.x, self.y = x.astype(np.float32), y.astype(np.float32)
-        self.per_px_x = np.hypot(*np.gradient(x)).astype(np.float32)
-        self.per_px_y = np.hypot(*np.gradient(y)).astype(np.float32)
+        self.per_px_x, self.per_px_y = _steepness(x), _steepness(y)
 
     def box(self, patch: Patch, blur_px: float) -> tuple[slice, slice]:
         """Return the pixels that a patch may reach."""
@@ -108,6 +107,12 @@ class _Canvas:
         (x0, y0), (x1, y1) = seen.min(0) - reach, seen.max(0) + reach
         rows = slice(max(0, int(y0)), max(0, min(self.view.height, int(y1) + 1)))
         return rows, slice(max(0, int(x0)), max(0, min(self.view.width, int(x1) + 1)))
+
+
+def _steepness(values: Array) -> Layer:
+    """Return the length of the gradient."""
+    down, across = np.gradient(values)
+    return np.hypot(down, across).astype(np.float32)
 
 
 def _between(at: Layer, low: float, high: float, width: Layer) -> Layer:
@@ -178,7 +183,8 @@ def through_jpeg(picture: Picture, camera: Camera) -> Picture:
     done, data = cv2.imencode(".jpg", picture[..., ::-1], flags)
     if not done:
         raise ValueError("the JPEG was not written")
-    return np.ascontiguousarray(cv2.imdecode(data, cv2.IMREAD_COLOR)[..., ::-1])
+    seen = np.asarray(cv2.imdecode(data, cv2.IMREAD_COLOR), np.uint8)
+    return np.ascontiguousarray(seen[..., ::-1])
 
 
 def facade(rng: np.random.Generator, width: float = 40.0, height: float = 24.0) -> Wall:

@@ -68,8 +68,7 @@ def _view(
 
 def seen(view: View, edge: Edge) -> Array:
     """Return points along the longest visible part of an edge, two pixels apart. Shape (n, 2)."""
-    ends = np.array([edge.spans[0][0], edge.spans[-1][1]])
-    along = np.linspace(*ends, 4000)
+    along = np.linspace(edge.spans[0][0], edge.spans[-1][1], 4000)
     points = view.project(edge.points(along))
     shown = np.flatnonzero(np.diff(np.pad(inside(view, points, 6.0), 1).astype(int)))
     if len(shown) == 0:

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 import plumbline
-from plumbline.calibration import Calibration
 from plumbline.frame import Array
+from plumbline.result.calibration import Calibration
 
 SAMPLES = Path(__file__).parents[2] / "sample_projects"
 BUILDING = SAMPLES / "building" / "building.pto"

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from plumbline.report.page import Part, page_bytes
+from plumbline.report.page.document import Part, page_bytes
 from plumbline.report.photos import find_photos
 from tests.report.made import building, hostile
 

@@ -12,10 +12,10 @@ import pytest
 from PIL import Image, ImageOps
 
 import plumbline
-from plumbline.calibration import Calibration
 from plumbline.errors import ReadError
 from plumbline.observations import Origin
 from plumbline.report.photos import find_photos
+from plumbline.result.calibration import Calibration
 from tests.report.made import HEIGHT, SAMPLES, WIDTH, grid
 
 ORIENTATION = 0x0112

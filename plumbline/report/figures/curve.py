@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from plumbline.calibration import Calibration
-from plumbline.displacement import displacement_errors
-from plumbline.finding import radial_curve
 from plumbline.frame import Array
+from plumbline.geometry.finding import radial_curve
 from plumbline.report.figures import style
 from plumbline.report.figures.subject import Subject, drawn_lines, quoted_covariance, reach
+from plumbline.result.calibration import Calibration
+from plumbline.trust.displacement import displacement_errors
 
 _DIRECTIONS = 16
 

@@ -6,10 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from plumbline.calibration import Calibration
-from plumbline.displacement import displacement_errors, grid_px
 from plumbline.frame import Array
-from plumbline.lens import Lens
+from plumbline.geometry.lens import Lens
 from plumbline.report.figures import style
 from plumbline.report.figures.subject import (
     Subject,
@@ -17,6 +15,8 @@ from plumbline.report.figures.subject import (
     quoted_covariance,
     round_factor,
 )
+from plumbline.result.calibration import Calibration
+from plumbline.trust.displacement import displacement_errors, grid_px
 
 _FINE = 49
 _ARROWS = 11, 9

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from plumbline.calibration import Calibration
 from plumbline.frame import Array
 from plumbline.report.figures import style
 from plumbline.report.figures.subject import Drawn, Subject, drawn_lines
+from plumbline.result.calibration import Calibration
 
 _MOST = 24
 _COLUMNS = 4

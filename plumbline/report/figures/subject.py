@@ -8,15 +8,15 @@ from math import floor, log10
 import numpy as np
 from numpy.typing import NDArray
 
-from plumbline.calibration import Calibration
 from plumbline.errors import FoldedError
 from plumbline.frame import Array, Frame
-from plumbline.ideal import undistorted
-from plumbline.lens import Lens
-from plumbline.linearised import in_frame
+from plumbline.geometry.derivatives import undistorted
+from plumbline.geometry.lens import Lens
+from plumbline.geometry.lines import fit_lines
 from plumbline.report.photos import Picture
-from plumbline.straightness import fit_lines
-from plumbline.student import quantile
+from plumbline.result.calibration import Calibration
+from plumbline.trust.linearised import in_frame
+from plumbline.trust.student import quantile
 
 _CURVE = 48
 

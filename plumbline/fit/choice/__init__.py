@@ -1,0 +1,1 @@
+"""Which distortion model is enough: comparison, recommendation and its reasons."""

@@ -1,0 +1,1 @@
+"""The compiled fit: all that knows JAX."""

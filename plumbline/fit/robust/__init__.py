@@ -1,0 +1,1 @@
+"""Fits that leave wrong picks out, and what is wrong with those."""

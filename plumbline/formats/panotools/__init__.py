@@ -1,0 +1,1 @@
+"""Projects of Hugin, PTGui and the Panorama Tools."""

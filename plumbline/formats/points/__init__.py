@@ -1,0 +1,1 @@
+"""Points exported by viewers and digitizers."""

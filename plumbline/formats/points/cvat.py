@@ -1,0 +1,152 @@
+"""Annotations of CVAT, exported as "CVAT for images 1.1" (annotations.xml).
+
+    <annotations>
+      <version>1.1</version>
+      <image id="0" name="wall.jpg" width="2048" height="1536">
+        <polyline label="l1" source="manual" points="527.11,207.00;593.38,182.53"/>
+      </image>
+    </annotations>
+
+Every polyline is one line; a label is a class name, so that one which occurs twice makes two
+lines. Kept: labels, coordinates, names and sizes of the photos. Dropped: other shapes (a note
+says which), attributes, tags, photos without polylines.
+
+CVAT draws in SVG over the photo, where (0, 0) is the corner of the first pixel and the last
+corner is (width, height) (its issue 9973 shows a point dragged to 1920,1080 of a 1920x1080
+photo), so 0.5 is subtracted here.
+"""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Iterable, Iterator
+from typing import Protocol, cast
+
+from lxml import etree  # pyright: ignore[reportAttributeAccessIssue]
+
+from plumbline.formats.base import Format, ReadOptions, Source
+from plumbline.formats.points.lines import LineGatherer, Size, clean_label, declared_size
+from plumbline.observations import Observations
+
+MAX_LENGTH = 64 * 2**20
+MAX_NODES = 4_000_000
+_FIRST = re.compile(r"<annotations[\s>]")
+
+
+class _Element(Protocol):
+    """What is used of an element of lxml, which has no types of its own."""
+
+    tag: object
+    sourceline: int | None
+
+    def get(self, name: str, default: str = ..., /) -> str: ...
+    def find(self, path: str, /) -> object: ...
+    def iterfind(self, path: str, /) -> Iterable[_Element]: ...
+    def __iter__(self) -> Iterator[_Element]: ...
+
+
+def read(source: Source, _options: ReadOptions) -> Observations:
+    """Polylines of a CVAT export.
+
+    Raises:
+        ReadError: the XML is broken, declares entities, or is not CVAT's.
+    """
+    root = _root(source)
+    if root.tag != "annotations":
+        raise source.error(
+            "the XML is not CVAT's: its first element is not <annotations>",
+            hint="export the picks as CVAT for images 1.1",
+        )
+    if root.find("track") is not None:
+        raise source.error(
+            "the file was exported for video",
+            hint="export the task as 'CVAT for images 1.1'",
+        )
+    gatherer = LineGatherer(source, shift_px=-0.5)
+    for number, image in enumerate(root.iterfind("image"), start=1):
+        size = _size(source, image)
+        for shape in image:
+            if shape.tag == "polyline":
+                gatherer.add(
+                    _points(source, shape),
+                    shape.get("label", ""),
+                    photo=number,
+                    photo_name=image.get("name", ""),
+                    size=size,
+                    rows=_line(shape),
+                )
+            elif isinstance(shape.tag, str) and shape.tag != "tag":
+                gatherer.leave_aside(shape.tag)
+    return gatherer.observations("polylines")
+
+
+def recognises(source: Source) -> bool:
+    """Whether the XML starts with <annotations>."""
+    return source.head.lstrip().startswith("<") and _FIRST.search(source.head) is not None
+
+
+def _root(source: Source) -> _Element:
+    text = source.text()
+    if "<!DOCTYPE" in text:
+        raise source.error(
+            "the XML declares a document type, which no CVAT file does",
+            hint="export the picks again as CVAT for images 1.1",
+        )
+    nodes = text.count("<") + text.count("=")
+    if len(text) > MAX_LENGTH or nodes > MAX_NODES:
+        raise source.error(f"the XML is too large: {len(text):,} characters, {nodes:,} nodes")
+    parser = etree.XMLParser(
+        encoding="utf-8",
+        resolve_entities=False,
+        no_network=True,
+        huge_tree=False,
+        load_dtd=False,
+        remove_comments=True,
+        remove_pis=True,
+    )
+    try:
+        return cast(_Element, etree.parse(io.BytesIO(text.encode()), parser).getroot())
+    except etree.XMLSyntaxError as error:
+        raise source.error(
+            f"the XML is broken: {clean_label(error.msg or '')}",
+            error.lineno,
+            "export the file again",
+        ) from None
+
+
+def _line(element: _Element) -> int | None:
+    return element.sourceline or None
+
+
+def _size(source: Source, image: _Element) -> Size | None:
+    width, height = image.get("width", ""), image.get("height", "")
+    if not width or not height:
+        return None
+    at = _line(image)
+    return declared_size(
+        source,
+        source.number(width, at, what="the width"),
+        source.number(height, at, what="the height"),
+        at,
+    )
+
+
+def _points(source: Source, shape: _Element) -> list[tuple[float, float]]:
+    at = _line(shape)
+    points: list[tuple[float, float]] = []
+    for pair in shape.get("points", "").split(";"):
+        if not pair.strip():
+            continue
+        x, _, y = pair.partition(",")
+        points.append((source.number(x, at), source.number(y, at)))
+    return points
+
+
+FORMAT = Format(
+    name="cvat",
+    title="CVAT for images 1.1",
+    suffixes=(".xml",),
+    recognises=recognises,
+    read=read,
+)

@@ -1,0 +1,1 @@
+"""Lenses in pixels, their derivatives, and straight lines through points."""

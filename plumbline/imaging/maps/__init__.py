@@ -1,0 +1,1 @@
+"""Where each pixel of a corrected photograph is taken from."""

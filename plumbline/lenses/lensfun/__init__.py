@@ -1,0 +1,1 @@
+"""LensFun's database: finding a lens in it and using it."""

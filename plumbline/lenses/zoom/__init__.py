@@ -1,0 +1,1 @@
+"""Zoom lenses: calibrations joined over the focal length."""

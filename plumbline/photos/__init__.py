@@ -1,0 +1,1 @@
+"""Photographs: their EXIF, their pixels and their metadata."""

@@ -1,0 +1,86 @@
+"""From files and flags to observations and written results: the verbs minus their parsing."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from plumbline.errors import OptionError
+from plumbline.files import is_same
+from plumbline.observations import Observations
+from plumbline.observations.facts import checked_aspect_ratio
+from plumbline.reading.points import join, read
+
+_FACTS = {
+    "maker": "maker",
+    "lens_name": "model",
+    "mount": "mount",
+    "focal": "focal_mm",
+    "focal_px": "focal_px",
+    "crop_factor": "crop_factor",
+    "aspect_ratio": "aspect_ratio",
+}
+"""What the options that describe a lens are called in `LensFacts`."""
+
+
+def parts_of(sources: Sequence[str], options: Mapping[str, Any]) -> list[Observations]:
+    """What a verb reads: the observations of each lens in its files.
+
+    Args:
+        sources: Files of points.
+        options: Values of `options.reading` and of those of `options.labelling` that it takes.
+
+    Raises:
+        PlumblineError: as `gather` and `split_by_lens`.
+    """
+    labels = {fact: options.get(name) for name, fact in _FACTS.items()}
+    how = {name: value for name, value in options.items() if name not in _FACTS}
+    return split_by_lens(gather(sources, **how), labels)
+
+
+def gather(sources: Sequence[str], image: int | None, **how: Any) -> Observations:
+    """Read one or several files of points, of each only photo number `image` if it is given.
+
+    Raises:
+        OptionError: a file is named twice, there is no such photo, or it has no lines.
+    """
+    for index, source in enumerate(sources):
+        if any(is_same(Path(source), other) for other in sources[:index]):
+            raise OptionError(
+                f"{source}: this file is named twice, and its points would count twice",
+                hint="name each file once",
+            )
+    return join([read(source, image=image, **how) for source in sources])
+
+
+def split_by_lens(observations: Observations, labels: Mapping[str, Any]) -> list[Observations]:
+    """One set of observations for each lens that has lines, with the user's facts of it.
+
+    Args:
+        observations: What was read.
+        labels: Values of the options `--maker`, `--focal` and so on, None where not given.
+
+    Raises:
+        OptionError: facts of one lens are given for several.
+    """
+    with_lines = sorted({observations.photos[line.photo].lens for line in observations.lines})
+    given = {name: value for name, value in labels.items() if value is not None}
+    if "crop_factor" in given:
+        given["crop_factor_error"] = None
+    single = {"focal_mm": "--focal", "focal_px": "--focal-px"}
+    if len(with_lines) > 1 and (wrong := single.keys() & given.keys()):
+        raise OptionError(
+            f"{single[min(wrong)]} is given once, but the project has {len(with_lines)} lenses",
+            hint="select one with --image N",
+        )
+    parts: list[Observations] = []
+    for lens in with_lines:
+        part = observations.of_lens(lens)
+        if "aspect_ratio" in given:
+            frame = part.photos[0].frame
+            given["aspect_ratio"] = checked_aspect_ratio(given["aspect_ratio"], frame)
+        facts = replace(part.lenses[0], **given)
+        parts.append(replace(part, lenses=(facts,)))
+    return parts

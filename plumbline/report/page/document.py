@@ -1,0 +1,137 @@
+"""A report as one page of HTML that needs nothing besides itself."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from importlib.resources import files
+
+from plumbline._version import __version__
+from plumbline.files import MARK
+from plumbline.report.page import tables
+from plumbline.report.page.figures import count_figures, figures, photo_name
+from plumbline.report.page.markup import Element, Node, document, tag
+from plumbline.report.photos import Found
+from plumbline.report.terminal.summary import finding_sentence, lens_title
+from plumbline.result.calibration import Calibration
+from plumbline.result.comparison import Comparison
+from plumbline.wording import count
+
+_RESIDUALS = {
+    "image": "distances in the photograph's own pixels (image)",
+    "corrected": "distances in the corrected photo (corrected)",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """One lens of a report.
+
+    Attributes:
+        made: Its calibration.
+        found: Its photos.
+        compared: The models side by side; None where they were not compared.
+    """
+
+    made: Calibration
+    found: Found
+    compared: Comparison | None = None
+
+
+def page_bytes(parts: Sequence[Part]) -> bytes:
+    """The page; the same calibrations and photos give the same bytes.
+
+    Args:
+        parts: One a lens.
+    """
+    names = [lens_title(part.made.observations) for part in parts]
+    style = files("plumbline.report.page").joinpath("page.css").read_text("utf-8")
+    head = tag(
+        "head",
+        tag("meta", charset="utf-8"),
+        tag("meta", name="generator", content=f"{MARK} {__version__}"),
+        tag("meta", name="viewport", content="width=device-width, initial-scale=1"),
+        tag("title", f"Lens calibration: {', '.join(names)}"),
+        _style(style),
+    )
+    sections: list[Element] = []
+    first = 1
+    for part, name in zip(parts, names, strict=True):
+        title = tag("h2", name) if len(parts) > 1 else None
+        sections.append(tag("section", title, *_section(part, first)))
+        first += count_figures(part.made)
+    heading = names[0] if len(parts) == 1 else count(len(parts), "lens").replace("lenss", "lenses")
+    body = tag(
+        "body",
+        tag("header", tag("h1", f"Lens calibration: {heading}")),
+        tag("main", *sections),
+        tag("footer", f"Made by plumbline {__version__}."),
+    )
+    return document(head, body)
+
+
+def _style(text: str) -> Element:
+    """Our own style sheet: the one text of a page that `tag` must not touch."""
+    made = tag("style")
+    made.text = text
+    return made
+
+
+def _section(part: Part, first: int) -> Iterator[Node]:
+    made = part.made
+    yield tag("p", f"{finding_sentence(made)}.", class_="finding")
+    yield tag("div", *(tag("p", sentence) for sentence in tables.quote(made)), class_="quote")
+    yield from (tag("p", f"{note}.", class_="muted") for note in part.found.notes)
+    yield from figures(made, part.found, first)
+    yield tag("h3", "Coefficients")
+    yield from tables.coefficients(made)
+    matrix = tables.correlations(made)
+    if matrix is not None:
+        yield tag("h3", "Correlations")
+        yield matrix
+    yield tag("h3", "Straightness of the lines")
+    yield tables.straightness(made)
+    yield tag("h3", "Suspicious picks")
+    yield tables.suspects(made)
+    yield tag("h3", "Checks")
+    yield tables.checks(made)
+    if part.compared is not None:
+        yield tag("h3", "Models compared")
+        yield from tables.comparison(part.compared)
+    yield tag("h3", "Notes")
+    yield tag("ul", *(tag("li", note) for note in made.notes)) if made.notes else tag("p", "None.")
+    yield tag("h3", "How it was made")
+    yield tag("dl", *(node for pair in _provenance(part) for node in pair))
+
+
+def _provenance(part: Part) -> Iterator[tuple[Node, Node]]:
+    made = part.made
+
+    def row(name: str, *content: Node) -> tuple[Node, Node]:
+        return tag("dt", name), tag("dd", *content)
+
+    yield row("plumbline", made.version)
+    if made.command:
+        yield row("command", tag("code", made.command))
+    for origin in made.observations.origins:
+        yield row("points", f"{origin.path} ({origin.format})", *_checksum(origin.sha256))
+    pictures = zip(made.observations.photos, part.found.pictures, strict=True)
+    for photo, picture in pictures:
+        width, height = photo.frame.size
+        shown = f"{photo_name(photo)}, {width} × {height} px"
+        if photo.pixel_aspect != 1:
+            shown += f", pixel aspect {photo.pixel_aspect:g}"
+        yield row("photo", shown, *_checksum(picture.sha256 if picture else ""))
+    model = made.lens.model
+    yield row(
+        "model",
+        f"{made.model}: {model.formula}, {model.direction}; r in units of {model.unit}, scale 1 "
+        f"at r = {model.gauge}. {model.source}",
+    )
+    yield row("free", ", ".join(made.free))
+    yield row("residuals", _RESIDUALS[made.residual])
+    yield row("fit", f"{'robust' if made.robust else 'least squares'}; {made.reason}")
+
+
+def _checksum(sha256: str) -> tuple[Node, ...]:
+    return (tag("br"), tag("code", f"SHA-256 {sha256}")) if sha256 else ()

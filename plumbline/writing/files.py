@@ -1,0 +1,122 @@
+"""From a result file to the bytes of an exported one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from plumbline.errors import OptionError
+from plumbline.files import RESULT, ZOOM, read_bytes
+from plumbline.formats.base import Source
+from plumbline.lenses.stored import StoredLens
+from plumbline.lenses.stored_files import stored_lenses
+from plumbline.observations.facts import LensFacts
+from plumbline.writing.export import export
+from plumbline.writing.targets import TARGETS
+
+ALLOWED_PX = 0.1
+"""The largest deviation of a refitted lens that is written without being forced."""
+
+
+@dataclass(frozen=True)
+class ExportedFile:
+    """An exported lens and where it goes.
+
+    Attributes:
+        path: The file to write.
+        content: What it holds.
+        deviation_px: How far a refitted lens differs; None if it was not refitted.
+        model: The model it was refitted to.
+        notes: What to be aware of.
+    """
+
+    path: Path
+    content: bytes
+    deviation_px: float | None = None
+    model: str = ""
+    notes: tuple[str, ...] = ()
+
+
+def export_file(
+    result: str,
+    target: str,
+    output: Path | None,
+    image: int | None,
+    facts: Mapping[str, Any],
+    *,
+    force: bool = False,
+) -> ExportedFile:
+    """Make the file of a target; nothing is written yet.
+
+    Args:
+        result: A result JSON, a project or a Hugin lens file.
+        target: A row of `TARGETS`, or "json".
+        output: Where to; beside the result if None.
+        image: Which of several lenses.
+        facts: Facts about the lens that the user gives, by the names of `LensFacts`.
+        force: Accept a deviation above 0.1 px.
+
+    Raises:
+        PlumblineError: the result is damaged, or the target cannot hold its lens.
+    """
+    source = Source(result, read_bytes(result))
+    suffix = ".json" if target == "json" else TARGETS[target].suffix
+    path = output or Path(result).with_suffix(f".{target}{suffix}")
+    if target == "json":
+        if f'"{RESULT}"' not in source.head[:1024]:
+            raise OptionError(
+                f"{result} holds lens values only, and a result JSON holds the points and the fit",
+                hint="export to another format, or fit picked points with plumbline fit -o x.json",
+            )
+        stored_lenses(source)
+        return ExportedFile(path, source.content)
+    stored = one_lens(source, image)
+    made = export(replace(stored, **_with_facts(stored, facts)), target)
+    if made.deviation_px is not None and made.deviation_px > ALLOWED_PX and not force:
+        raise OptionError(
+            f"{target} cannot hold the model {stored.lens.model.label} with its coefficients: as "
+            f"{made.model} it is up to {made.deviation_px:.2f} px off over the photo",
+            hint=f"write it all the same with --force, or fit with --model {made.model}",
+        )
+    return ExportedFile(path, made.content, made.deviation_px, made.model, made.notes)
+
+
+def one_lens(source: Source, image: int | None) -> StoredLens:
+    """The lens of a file, or number `image` of its lenses.
+
+    Raises:
+        ReadError: the file is damaged, or holds no lens at one focal length.
+        OptionError: there are several and none was chosen, or there is no such.
+    """
+    if f'"{ZOOM}"' in source.head[:1024]:
+        raise source.error(
+            "this is a zoom lens, and one focal length is exported at a time",
+            hint="plumbline zoom RESULT… -o lens.xml writes all for LensFun",
+        )
+    lenses = stored_lenses(source)
+    if image is not None:
+        if image >= len(lenses):
+            raise OptionError(
+                f"{source.path} has no lens number {image}; there are {len(lenses)}",
+                hint="lenses are counted from 0",
+            )
+        return lenses[image]
+    first = lenses[0]
+    alike = all(
+        each.lens == first.lens and each.facts.focal_mm == first.facts.focal_mm for each in lenses
+    )
+    if not alike:
+        raise OptionError(
+            f"{source.path} holds {len(lenses)} lenses", hint="select one with --image N"
+        )
+    return first
+
+
+def _with_facts(stored: StoredLens, facts: Mapping[str, Any]) -> dict[str, Any]:
+    known: LensFacts = replace(stored.facts, **facts)
+    observations = stored.observations
+    if observations is not None:
+        observations = replace(observations, lenses=(known,))
+    return {"facts": known, "observations": observations}

@@ -1,0 +1,190 @@
+"""Write calibrations and picked points; the format follows the suffix."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from plumbline.errors import OptionError, UnsupportedModelError
+from plumbline.files import refuse_to_clobber, refuse_unknown_suffix, write_atomically
+from plumbline.formats.panotools.pto_writing import new_project, rewritten
+from plumbline.formats.points.csv import write_csv
+from plumbline.formats.points.labelme_writing import write_labelme
+from plumbline.observations import Observations, Origin
+from plumbline.result.calibration import Calibration, refuse_unsettled
+from plumbline.result.writing import to_json
+from plumbline.writing.lensfun import lensfun_bytes
+
+RESULT_SUFFIXES = (".pto", ".xml", ".json")
+POINT_SUFFIXES = (".csv", ".pto", ".json")
+
+
+def write(
+    result: Calibration | Sequence[Calibration], path: str | Path, *, overwrite: bool = False
+) -> Path:
+    """Write calibrations; the format follows the suffix.
+
+    `.pto`: the project they were read from, byte for byte but for the lens values, or a new
+    one. `.xml`: a LensFun database. `.json`: everything, readable by `read_calibration`.
+
+    Args:
+        result: One calibration, or those of the several lenses of one project.
+        path: Where to.
+        overwrite: Replace a file that plumbline did not write.
+
+    Returns:
+        The path written.
+
+    Raises:
+        WriteError: the file exists and is not plumbline's, or cannot be written.
+        UnsupportedModelError: the format cannot hold the distortion model.
+        OptionError: LensFun needs a focal length or a crop factor that is not known.
+        UnsettledError: a fit did not reach a minimum; only JSON holds it.
+    """
+    calibrations = [result] if isinstance(result, Calibration) else list(result)
+    target = Path(path)
+    write_atomically({target: result_bytes(calibrations, target, overwrite=overwrite)})
+    return target
+
+
+def result_bytes(
+    calibrations: Sequence[Calibration], target: Path, *, overwrite: bool = False
+) -> bytes:
+    """What `write` writes, after its checks; nothing is written yet.
+
+    Raises:
+        PlumblineError: as `write`.
+    """
+    suffix = target.suffix.lower()
+    makers = {".pto": project_bytes, ".xml": lensfun_bytes, ".json": _json_bytes}
+    refuse_unknown_suffix(target, RESULT_SUFFIXES, "results")
+    inputs = [path for made in calibrations for path in _inputs(made.observations)]
+    refuse_to_clobber(target, inputs, overwrite=overwrite)
+    if suffix != ".json":
+        refuse_unsettled(calibrations)
+    return makers[suffix](calibrations)
+
+
+def write_points(observations: Observations, path: str | Path, *, overwrite: bool = False) -> Path:
+    """Write picked points as CSV, Hugin project or labelme JSON; the format follows the suffix.
+
+    Args:
+        observations: The points. What is known of the lenses goes into a project only.
+        path: Where to, `.csv`, `.pto` or `.json`.
+        overwrite: Replace a file that plumbline did not mark as its own, as it does projects.
+
+    Raises:
+        WriteError: the file exists and is not marked as plumbline's, or cannot be written.
+        OptionError: a CSV would mix the lines of several lenses, or a JSON those of several
+            photos.
+    """
+    target = Path(path)
+    write_atomically({target: points_bytes(observations, target, overwrite=overwrite)})
+    return target
+
+
+def points_bytes(observations: Observations, target: Path, *, overwrite: bool = False) -> bytes:
+    """What `write_points` writes, after its checks; nothing is written yet.
+
+    Raises:
+        PlumblineError: as `write_points`.
+    """
+    suffix = target.suffix.lower()
+    refuse_unknown_suffix(target, POINT_SUFFIXES, "points")
+    refuse_to_clobber(target, _inputs(observations), overwrite=overwrite)
+    if suffix == ".json":
+        return write_labelme(observations).encode()
+    if suffix == ".csv":
+        _refuse_to_mix_lenses(observations)
+        return write_csv(observations).encode()
+    return new_project(observations, {})
+
+
+def _refuse_to_mix_lenses(observations: Observations) -> None:
+    lenses = {observations.photos[line.photo].lens for line in observations.lines}
+    if len(lenses) > 1:
+        raise OptionError(
+            f"{observations.named}the lines are of {len(lenses)} lenses, which a CSV cannot keep "
+            "apart",
+            hint="select a photo with --image N, or write a .pto",
+        )
+
+
+def resampling_notes(observations: Observations) -> list[str]:
+    """For which photos a Hugin project is, where pixels are not square; in plain sentences."""
+    return [
+        f"the Hugin project is for {before.name or 'the photo'} resampled to "
+        f"{after.frame.width}x{after.frame.height}, where its pixels are square"
+        for before, after in zip(observations.photos, observations.squared().photos, strict=True)
+        if before.pixel_aspect != 1
+    ]
+
+
+def _inputs(observations: Observations) -> list[str]:
+    return [origin.path for origin in observations.origins]
+
+
+def _json_bytes(calibrations: Sequence[Calibration]) -> bytes:
+    return to_json(calibrations).encode()
+
+
+def project_bytes(calibrations: Sequence[Calibration]) -> bytes:
+    """A Hugin project with the fitted lens values.
+
+    It is the project that all calibrations were read from, else a new one.
+
+    Raises:
+        UnsupportedModelError: the model is not `ptlens` and cannot be written as it.
+        OptionError: two calibrations are of the same photo.
+    """
+    values = [ptlens_values(made) for made in calibrations]
+    square = all(p.pixel_aspect == 1 for made in calibrations for p in made.observations.photos)
+    project = _common_project(calibrations)
+    if project is not None and square:
+        return rewritten(project.content, project.path, _of_photos(calibrations, values))
+    whole = Observations.side_by_side([made.observations for made in calibrations])
+    return new_project(whole, dict(enumerate(values)))
+
+
+def _common_project(calibrations: Sequence[Calibration]) -> Origin | None:
+    first, *others = [made.observations.origins for made in calibrations]
+    if len(first) != 1 or any(other != first for other in others):
+        return None
+    return first[0] if first[0].format == "pto" and first[0].content else None
+
+
+def _of_photos(
+    calibrations: Sequence[Calibration], values: Sequence[dict[str, float]]
+) -> dict[int, dict[str, float]]:
+    """The lens values of each photo number of one project."""
+    found: dict[int, dict[str, float]] = {}
+    for made, value in zip(calibrations, values, strict=True):
+        for photo in made.observations.photos:
+            if photo.number in found:
+                raise OptionError(
+                    f"two calibrations are of photo number {photo.number} of the project",
+                    hint="write one of them, or both as .json",
+                )
+            found[photo.number] = value
+    return found
+
+
+def ptlens_values(made: Calibration) -> dict[str, float]:
+    """a, b, c, d, e as Hugin has them, `d` at square pixels.
+
+    Raises:
+        UnsupportedModelError: the model has no such form.
+    """
+    coefficients = made.coefficients
+    if made.model == "poly3":
+        radial = {"a": 0.0, "b": coefficients["k1"], "c": 0.0}
+    elif made.model == "ptlens":
+        radial = {name: coefficients[name] for name in ("a", "b", "c")}
+    else:
+        raise UnsupportedModelError(
+            f"a Hugin project cannot hold the model {made.model}",
+            hint="fit with --model ptlens, or write -o RESULT.json",
+        )
+    frame = made.lens.frame
+    aspect = round(frame.square_size[0]) / frame.width
+    return radial | {"d": coefficients["d"] * aspect, "e": coefficients["e"]}

@@ -1,0 +1,152 @@
+"""A zoom lens from result files, and as the files that other programs and plumbline read."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from plumbline._version import __version__
+from plumbline.errors import OptionError, UnsupportedModelError
+from plumbline.files import MARK, RESULT, ZOOM, read_bytes, refuse_unknown_suffix
+from plumbline.formats.base import Source
+from plumbline.formats.lens_files.lenses_txt import lenses_txt
+from plumbline.formats.lens_files.lensfun import MODELS, Distortion, LensfunLens, lensfun_xml
+from plumbline.frame import Frame
+from plumbline.lenses.zoom.curves import Method, lensfun_values
+from plumbline.lenses.zoom.join import join
+from plumbline.lenses.zoom.json import zoom_text
+from plumbline.lenses.zoom.needs import displacement_px
+from plumbline.lenses.zoom.zoom_lens import ZoomLens
+from plumbline.models import CENTRE
+from plumbline.result.calibration import Calibration, refuse_unsettled
+from plumbline.result.files import consistent_results
+
+ZOOM_SUFFIXES = (".json", ".xml", ".txt")
+_BETWEEN = 8
+
+
+def read_zoom_lens(
+    paths: Sequence[str], method: Method, degree: int, labels: Mapping[str, Any]
+) -> ZoomLens:
+    """Join the calibrations of result files.
+
+    Args:
+        paths: The files.
+        method: How coefficients run over focal length.
+        degree: Of the polynomial.
+        labels: Facts about the lens that the user gives; None where not.
+
+    Raises:
+        PlumblineError: a file is damaged, or the calibrations do not belong together.
+    """
+    calibrations: list[tuple[str, Calibration]] = []
+    for path in dict.fromkeys(paths):
+        source = Source(path, read_bytes(path))
+        if f'"{ZOOM}"' in source.head[:1024]:
+            raise source.error(
+                "this is a zoom lens already", hint="name the results that it was made from"
+            )
+        if f'"{RESULT}"' not in source.head[:1024]:
+            raise source.error(
+                "this is no calibration written by plumbline",
+                hint="write one with plumbline fit POINTS -o result.json",
+            )
+        calibrations += [(path, made) for made in consistent_results(source.text(), path)]
+    refuse_unsettled([made for _, made in calibrations])
+    lens = join(calibrations, method, degree)
+    given = {name: value for name, value in labels.items() if value is not None}
+    return replace(lens, facts=replace(lens.facts, **given))
+
+
+def zoom_bytes(lens: ZoomLens, target: Path) -> tuple[bytes, list[str]]:
+    """What a file of that name holds, and notes on what it cannot hold.
+
+    Raises:
+        WriteError: the suffix stands for no format.
+        OptionError: the format needs what is not known, or cannot hold the model.
+    """
+    refuse_unknown_suffix(target, ZOOM_SUFFIXES, "zoom lenses")
+    suffix = target.suffix.lower()
+    if suffix == ".json":
+        return zoom_text(lens).encode(), []
+    model = lens.model.label
+    known = MODELS if suffix == ".xml" else ("ptlens", "poly3")
+    if model not in known:
+        raise UnsupportedModelError(
+            f"{target.name}: LensFun does not know the model {model} there",
+            hint=f"fit with --model {' or '.join(known)}, or write a .json",
+        )
+    entries = _entries(lens)
+    notes = _notes(lens, entries)
+    if suffix == ".xml":
+        centre, apart_px = _centre(lens)
+        if apart_px > 0.1:
+            notes.append(
+                f"LensFun holds one distortion centre for all focal lengths: the mean was written, "
+                f"up to {apart_px:.1f} px from those of single focal lengths"
+            )
+        return lensfun_xml(replace(_head(lens), centre=centre), entries), notes
+    if any(np.any(node.values[-2:]) for node in lens.nodes):
+        notes.append("lenses.txt holds no distortion centre: it was left out")
+    rows = [(entry.focal_mm, list(entry.coefficients.values())) for entry in entries]
+    return lenses_txt(_head(lens), rows, f"{MARK} {__version__}"), notes
+
+
+def _head(lens: ZoomLens) -> LensfunLens:
+    facts = lens.facts
+    if facts.crop_factor is None:
+        raise OptionError("the crop factor is not known", hint="give it with --crop-factor")
+    frame = Frame(*lens.size, lens.pixel_aspect)
+    return LensfunLens(
+        facts.maker or "Unknown",
+        facts.model or (f"{facts.camera} lens" if facts.camera else "Unnamed zoom lens"),
+        facts.mount or "Generic",
+        facts.crop_factor,
+        facts.aspect_ratio or max(frame.square_size) / min(frame.square_size),
+        comment=f"{MARK} {__version__} from {sum(len(n.sources) for n in lens.nodes)} calibrations",
+    )
+
+
+def _entries(lens: ZoomLens) -> list[Distortion]:
+    """The curve at the calibrated focal lengths."""
+    names = lens.model.coefficients
+    return [
+        Distortion(
+            lens.model.label,
+            node.focal_mm,
+            dict(zip(names, (float(v) for v in lens.at(node.focal_mm)), strict=False)),
+        )
+        for node in lens.nodes
+    ]
+
+
+def _notes(lens: ZoomLens, entries: Sequence[Distortion]) -> list[str]:
+    """How far LensFun's own interpolation leaves the curve."""
+    worst_px, at_mm = 0.0, 0.0
+    for focal_mm in np.geomspace(*lens.range_mm, _BETWEEN * len(entries)):
+        ours = lens.at(float(focal_mm))
+        found = lensfun_values(entries, float(focal_mm)).coefficients
+        theirs = np.array([*found.values(), *ours[-len(CENTRE) :]])
+        off = displacement_px(lens, ours) - displacement_px(lens, theirs)
+        distance_px = float(np.max(np.hypot(*off.T)))
+        if distance_px > worst_px:
+            worst_px, at_mm = distance_px, float(focal_mm)
+    if worst_px < 0.01:
+        return []
+    return [
+        "LensFun interpolates between these focal lengths in its own way, up to "
+        f"{worst_px:.2f} px from the {lens.method} curve (at {at_mm:.4g} mm)"
+    ]
+
+
+def _centre(lens: ZoomLens) -> tuple[tuple[float, float], float]:
+    """Mean distortion centre in half shorter sides, and how far single ones are from it in px."""
+    centres = np.stack([node.values[-2:] for node in lens.nodes])
+    mean = centres.mean(axis=0)
+    radius_px = Frame(*lens.size, lens.pixel_aspect).radius_px
+    apart = float(np.max(np.hypot(*(centres - mean).T))) * radius_px
+    return (float(mean[0]), float(mean[1])), apart

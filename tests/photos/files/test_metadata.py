@@ -1,0 +1,320 @@
+"""What the photograph says of itself survives, by exiftool's listing before and after."""
+
+from __future__ import annotations
+
+import functools
+import io
+import json
+import shutil
+import struct
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image, ImageCms
+
+import plumbline
+from plumbline.lenses.request import LensRequest
+from plumbline.photos.files import exif, jpeg, tiff
+from plumbline.photos.files.metadata import Metadata, note_of
+from tests.imaging.painted import texture
+from tests.peers.tools import program, run
+
+PHOTOS = Path(__file__).parents[3] / "shared" / "data" / "photos"
+SIZE = (320, 240)
+BARREL = LensRequest(ptlens={"a": 0.0, "b": -0.05, "c": 0.0})
+XMP = (
+    b'<x:xmpmeta xmlns:x="adobe:ns:meta/"><rdf:RDF '
+    b'xmlns:rdf="http://www.w3.org/1999/02/22-rdf-syntax-ns#"><rdf:Description '
+    b'xmlns:dc="http://purl.org/dc/elements/1.1/" dc:format="a facade"/></rdf:RDF></x:xmpmeta>'
+)
+ABOUT_THE_FILE = ("File:", "ExifTool:", "SourceFile")
+MAY_CHANGE = {"EXIF:Software", "EXIF:ThumbnailLength", "EXIF:ThumbnailImage"}
+
+
+def listing(path: Path) -> dict[str, Any]:
+    """All tags but those of the file as such."""
+    found = json.loads(run([program("exiftool"), "-j", "-G", "-n", str(path)]))[0]
+    return {tag: value for tag, value in found.items() if not tag.startswith(ABOUT_THE_FILE)}
+
+
+def unlike(before: dict[str, Any], after: dict[str, Any]) -> set[str]:
+    """Tags that were lost, changed or added."""
+    return {tag for tag in before.keys() | after.keys() if before.get(tag) != after.get(tag)}
+
+
+@functools.cache
+def profile() -> bytes:
+    return ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
+
+
+def tags(orientation: int = 1) -> Image.Exif:
+    made = Image.Exif()
+    made[0x010F], made[0x0110], made[0x0131] = "A maker", "A camera", "Firmware 1.0"
+    made[0x0112], made[0x8298] = orientation, "(c) somebody"
+    made[0x011A], made[0x011B], made[0x0128] = 240.0, 240.0, 2
+    detail = made.get_ifd(0x8769)
+    detail[0x920A], detail[0x829A], detail[0x9003] = 35.0, 0.004, "2026:01:02 03:04:05"
+    place = made.get_ifd(0x8825)
+    place[1], place[2] = "N", (52.0, 30.0, 12.5)
+    return made
+
+
+def write(path: Path, **how: Any) -> None:
+    """A photo with metadata; Pillow alone does not write all of them into PNG and TIFF."""
+    photo = path.with_suffix(".jpg")
+    image = Image.fromarray(texture(SIZE))
+    image.save(photo, exif=tags(), icc_profile=profile(), xmp=XMP, dpi=(240, 240))
+    if path.suffix != ".jpg":
+        image.save(path, dpi=(240, 240), **how)
+        copied = ["-all:all", "-icc_profile", "-xmp", str(path)]
+        run(
+            [program("exiftool"), "-q", "-overwrite_original", "-tagsfromfile", str(photo), *copied]
+        )
+
+
+@pytest.mark.parametrize("name", ["nikon_e995_8.2mm.jpg", "nikon_e5700_8.9mm_portrait.jpg"])
+def test_a_camera_s_photo_keeps_everything(tmp_path: Path, name: str) -> None:
+    if not (PHOTOS / name).exists():
+        pytest.skip("the camera originals are not here")
+    shutil.copy(PHOTOS / name, tmp_path / "a.jpg")
+    done = plumbline.correct(tmp_path / "a.jpg", BARREL)
+    before, after = listing(tmp_path / "a.jpg"), listing(done.output)
+    assert len(before) > 60
+    assert unlike(before, after) <= MAY_CHANGE
+    assert str(before["EXIF:Software"]) in str(after["EXIF:Software"])
+    assert "corrected by plumbline" in after["EXIF:Software"]
+
+
+@pytest.mark.parametrize("suffix", [".jpg", ".png", ".webp", ".tif"])
+def test_each_format_keeps_exif_xmp_profile_and_resolution(tmp_path: Path, suffix: str) -> None:
+    write(tmp_path / f"a{suffix}", **({"lossless": True} if suffix == ".webp" else {}))
+    done = plumbline.correct(tmp_path / f"a{suffix}", BARREL)
+    before, after = listing(tmp_path / f"a{suffix}"), listing(done.output)
+    assert before["EXIF:Model"] == "A camera"
+    layout = {"PNG:Filter", "PNG:Compression", "EXIF:StripOffsets", "EXIF:StripByteCounts"}
+    layout |= {
+        "EXIF:SampleFormat",
+        "EXIF:RowsPerStrip",
+        "EXIF:Compression",
+        "EXIF:Predictor",
+        "EXIF:SubfileType",
+    }
+    assert unlike(before, after) <= MAY_CHANGE | layout
+    with Image.open(done.output) as made:
+        assert made.info["icc_profile"] == profile()
+
+
+@pytest.mark.parametrize("source", [".jpg", ".png", ".webp", ".tif"])
+@pytest.mark.parametrize("target", [".jpg", ".png", ".webp", ".tif"])
+def test_metadata_change_formats_with_the_picture(tmp_path: Path, source: str, target: str) -> None:
+    if source == target:
+        return
+    write(tmp_path / f"a{source}")
+    done = plumbline.correct(tmp_path / f"a{source}", BARREL, tmp_path / f"b{target}")
+    after = listing(done.output)
+    assert after["EXIF:Make"] == "A maker"
+    assert after["EXIF:FocalLength"] == 35
+    assert after["EXIF:Copyright"] == "(c) somebody"
+    assert abs(after["EXIF:GPSLatitude"] - 52.5034722) < 1e-6
+    assert after["XMP:Format"] == "a facade"
+    assert after["ICC_Profile:ColorSpaceData"] == "RGB "
+    assert after["EXIF:XResolution"] == 240
+    assert after["EXIF:Software"].startswith("Firmware 1.0; corrected by plumbline")
+
+
+def test_a_photo_without_metadata_gets_the_note(tmp_path: Path) -> None:
+    for suffix in (".jpg", ".png", ".webp", ".tif"):
+        Image.fromarray(texture(SIZE)).save(tmp_path / f"a{suffix}")
+        after = listing(plumbline.correct(tmp_path / f"a{suffix}", BARREL).output)
+        assert after["EXIF:Software"].startswith("corrected by plumbline")
+        assert "b = -0.05" in after["EXIF:Software"]
+
+
+def test_the_orientation_and_the_pixels_stay_consistent(tmp_path: Path) -> None:
+    upright = texture(SIZE)
+    Image.fromarray(upright).save(tmp_path / "upright.png")
+    expected = plumbline.correct(tmp_path / "upright.png", BARREL, interpolation="linear").output
+    exif_of = tags(6)
+    Image.fromarray(np.rot90(upright, 1)).save(tmp_path / "turned.png", exif=exif_of)
+    done = plumbline.correct(tmp_path / "turned.png", BARREL, interpolation="linear").output
+    from PIL import ImageOps
+
+    with Image.open(done) as found, Image.open(expected) as wanted:
+        assert found.getexif()[0x0112] == 6
+        shown = np.asarray(ImageOps.exif_transpose(found)).astype(int)
+        assert np.mean(np.abs(shown - np.asarray(wanted))) < 0.2
+
+
+def _block_with_thumbnail(thumbnail: bytes) -> bytes:
+    pointer = struct.pack("<I", 200)
+    first = [tiff.Field(0x010F, 2, b"A maker\0")]
+    second = [
+        tiff.Field(0x0103, 3, struct.pack("<H", 6)),
+        tiff.Field(0x0201, 4, struct.pack("<I", 400)),
+        tiff.Field(0x0202, 4, struct.pack("<I", len(thumbnail))),
+    ]
+    head = b"II*\0" + struct.pack("<I", 8) + tiff.directory_bytes(first, 8, "<", 200)
+    assert pointer == struct.pack("<I", 200)
+    block = head.ljust(200, b"\0") + tiff.directory_bytes(second, 200, "<")
+    return block.ljust(400, b"\0") + thumbnail
+
+
+def _thumbnail(size: tuple[int, int]) -> bytes:
+    buffer = io.BytesIO()
+    Image.fromarray(texture(size, seed=9)).save(buffer, "JPEG", quality=90)
+    return buffer.getvalue()
+
+
+@pytest.mark.parametrize(("size", "kept"), [((160, 120), True), ((160, 160), False)])
+def test_the_thumbnail_is_refreshed_or_dropped(
+    tmp_path: Path, size: tuple[int, int], kept: bool
+) -> None:
+    old = _thumbnail(size)
+    Image.fromarray(texture(SIZE)).save(
+        tmp_path / "a.jpg", exif=b"Exif\0\0" + _block_with_thumbnail(old)
+    )
+    done = plumbline.correct(tmp_path / "a.jpg", BARREL)
+    block = jpeg.read_metadata(done.output.read_bytes()).exif
+    _, following = tiff.read_directory(block, tiff.first_directory(block))
+    assert bool(following) == kept
+    if not kept:
+        return
+    found = {field.tag: field.data for field in tiff.read_directory(block, following)[0]}
+    start, size_ = (struct.unpack("<I", found[tag])[0] for tag in (0x0201, 0x0202))
+    with (
+        Image.open(io.BytesIO(block[start : start + size_])) as fresh,
+        Image.open(done.output) as photo,
+    ):
+        assert fresh.size == size
+        shown = np.asarray(photo.resize(size, Image.Resampling.BOX)).astype(int)
+        assert np.mean(np.abs(np.asarray(fresh).astype(int) - shown)) < 8
+
+
+def test_nothing_in_an_exif_block_moves() -> None:
+    block = _block_with_thumbnail(_thumbnail((160, 120)))
+    made = exif.annotated(block, "a note", lambda old: old)
+    assert made[8 : len(block)] == block[8:]
+    fields, following = tiff.read_directory(made, tiff.first_directory(made))
+    assert following == 200
+    assert {field.tag: field.data for field in fields} == {
+        0x010F: b"A maker\0",
+        0x0131: b"a note\0",
+    }
+
+
+def test_a_damaged_exif_block_is_kept_and_said_so(tmp_path: Path) -> None:
+    broken = b"Exif\0\0II*\0" + struct.pack("<I", 8) + b"\xff\xff" + bytes(20)
+    Image.fromarray(texture(SIZE)).save(tmp_path / "a.jpg", exif=broken)
+    done = plumbline.correct(tmp_path / "a.jpg", BARREL)
+    assert any("damaged" in note for note in done.notes)
+    assert jpeg.read_metadata(done.output.read_bytes()).exif == broken[6:]
+
+
+def test_a_full_exif_segment_stays_within_jpeg_s_limit(tmp_path: Path) -> None:
+    block = tiff.new_block([tiff.Field(0x927C, 7, bytes(65480))])
+    assert len(block) <= exif.MOST_IN_JPEG
+    Image.fromarray(texture(SIZE)).save(tmp_path / "a.jpg", exif=b"Exif\0\0" + block)
+    done = plumbline.correct(tmp_path / "a.jpg", BARREL)
+    assert any("full" in note for note in done.notes)
+    assert jpeg.read_metadata(done.output.read_bytes()).exif == block
+
+
+def test_xmp_that_jpeg_cannot_hold_is_told_of(tmp_path: Path) -> None:
+    for length, fits in ((65504, True), (65505, False)):  # 65533 less XMP's head of 29
+        packet = b"<x:xmpmeta xmlns:x='adobe:ns:meta/'>".ljust(length - 12) + b"</x:xmpmeta>"
+        Image.fromarray(texture(SIZE)).save(tmp_path / "a.webp", xmp=packet)
+        done = plumbline.correct(tmp_path / "a.webp", BARREL, tmp_path / "b.jpg")
+        assert any("XMP is too long" in note for note in done.notes) is not fits
+        with Image.open(done.output) as made:
+            assert made.info.get("xmp", b"") == (packet if fits else b"")
+
+
+def test_a_long_profile_takes_several_segments(tmp_path: Path) -> None:
+    long = profile() + bytes(200_000)
+    data = jpeg.with_metadata(_thumbnail((64, 48)), Metadata(icc=long))
+    (tmp_path / "a.jpg").write_bytes(data)
+    with Image.open(tmp_path / "a.jpg") as image:
+        assert image.info["icc_profile"] == long
+
+
+def test_a_second_correction_is_warned_of(tmp_path: Path) -> None:
+    write(tmp_path / "a.jpg")
+    first = plumbline.correct(tmp_path / "a.jpg", BARREL)
+    assert not any("already" in note for note in first.notes)
+    again = plumbline.correct(first.output, BARREL)
+    assert any("already" in note for note in again.notes)
+
+
+@pytest.mark.parametrize(
+    ("description", "told"),
+    [
+        ("ptlens, from /anywhere/lenses/building.json", "ptlens, from building.json"),
+        ("ptlens, from lenses/building.json", "ptlens, from building.json"),
+        ("ptlens, from C:\\Users\\me\\building.json", "ptlens, from building.json"),
+        ("EF-S 18-55mm f/3.5-5.6 IS at 18 mm", "EF-S 18-55mm f/3.5-5.6 IS at 18 mm"),
+        ("Nikkor 18-55mm f/3.5-5.6G VR at 18 mm", "Nikkor 18-55mm f/3.5-5.6G VR at 18 mm"),
+        ("Objektiv für\nWeitwinkel", "Objektiv f?r Weitwinkel"),
+    ],
+)
+def test_the_note_tells_the_lens_and_not_the_user_s_folders(description: str, told: str) -> None:
+    assert note_of(description).endswith(f"({told})")
+
+
+@pytest.mark.parametrize("target", ["b.tif", "b.jpg"])
+@pytest.mark.parametrize("source", ["a.jpg", "a.tif"])
+def test_maker_notes_that_cannot_be_moved_are_left_out(
+    tmp_path: Path, source: str, target: str
+) -> None:
+    made = tags()
+    made.get_ifd(0x8769)[0x927C] = b"Nikon\0" + bytes(range(100))
+    image = Image.fromarray(texture(SIZE))
+    image.save(tmp_path / "a.jpg", exif=made)
+    image.save(tmp_path / "a.tif")
+    data = (tmp_path / "a.tif").read_bytes()
+    below = (
+        tiff.Field(0x920A, 5, struct.pack("<II", 35, 1)),
+        tiff.Field(0x927C, 7, b"Nikon\0" + bytes(range(100))),
+    )
+    fields = tiff.read_directory(data, tiff.first_directory(data))[0]
+    directory = tiff.directory_bytes(
+        [*fields, tiff.Field(34665, 4, bytes(4), below)], len(data), "<"
+    )
+    head = data[:4] + struct.pack("<I", len(data)) + data[8:]
+    (tmp_path / "a.tif").write_bytes(head + directory)
+    done = plumbline.correct(tmp_path / source, BARREL, tmp_path / target)
+    kept = (source, target) == ("a.jpg", "b.jpg")
+    with Image.open(done.output) as found:
+        inner = found.getexif().get_ifd(0x8769)
+    assert (0x927C in inner) == kept
+    assert inner[0x920A] == 35
+    assert sum("maker notes were left out" in note for note in done.notes) == (not kept)
+
+
+def test_tiff_has_strips_of_a_sensible_size(tmp_path: Path) -> None:
+    Image.fromarray(texture((1200, 900))).save(tmp_path / "a.tif")
+    done = plumbline.correct(tmp_path / "a.tif", BARREL)
+    with Image.open(done.output) as found:
+        rows: Any = found.tag_v2[278]  # type: ignore[attr-defined]
+        row_bytes = np.asarray(found)[0].nbytes
+    assert 2**15 < rows * row_bytes <= 2**16
+
+
+def test_an_empty_directory_of_the_original_is_left_out(tmp_path: Path) -> None:
+    """As that of GPS which some cameras write; its offset would point anywhere."""
+    empty = b"\0" * 6
+    block = tiff.new_block([tiff.Field(0x010F, 2, b"A maker\0")])
+    at = tiff.first_directory(block)
+    one = block[at + 2 : at + 14]
+    gps = struct.pack("<HHII", 34853, 4, 1, 8)
+    start = 8 + len(empty)
+    directory = struct.pack("<H", 2) + one[:8] + struct.pack("<I", start + 30) + gps + bytes(4)
+    whole = block[:4] + struct.pack("<I", start) + empty + directory + b"A maker\0"
+    Image.fromarray(texture(SIZE)).save(tmp_path / "a.jpg", exif=b"Exif\0\0" + whole)
+    done = plumbline.correct(tmp_path / "a.jpg", BARREL, tmp_path / "b.tif")
+    with Image.open(done.output) as found:
+        assert found.getexif()[0x010F] == "A maker"
+        assert 34853 not in found.getexif()
+    again = plumbline.correct(done.output, BARREL, tmp_path / "c.tif")
+    assert not any("damaged" in note for note in again.notes)
