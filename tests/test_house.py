@@ -23,7 +23,7 @@ FLOORS = (
     "reading result",
     "fit lenses",
     "ground",
-    "writing imaging boards pairs",
+    "writing imaging boards edges pairs",
     "report",
     "cli",
 )
