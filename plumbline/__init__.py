@@ -18,6 +18,13 @@ from typing import TYPE_CHECKING
 from plumbline._version import __version__ as __version__
 
 if TYPE_CHECKING:
+    from plumbline.boards.find import (
+        find_board as find_board,
+    )
+    from plumbline.edges.snap import (
+        Snapped as Snapped,
+        snap as snap,
+    )
     from plumbline.errors import (
         CollapsedFitError as CollapsedFitError,
         DegenerateLinesError as DegenerateLinesError,
@@ -51,6 +58,15 @@ if TYPE_CHECKING:
     from plumbline.geometry.lens import (
         Lens as Lens,
     )
+    from plumbline.ground.rectification import (
+        Rectification as Rectification,
+    )
+    from plumbline.ground.rectify import (
+        rectify as rectify,
+    )
+    from plumbline.ground.stored import (
+        read_rectification as read_rectification,
+    )
     from plumbline.imaging.batch import (
         Outcome as Outcome,
         correct_many as correct_many,
@@ -69,11 +85,16 @@ if TYPE_CHECKING:
         Observations as Observations,
         Photo as Photo,
     )
+    from plumbline.observations.board import (
+        Board as Board,
+    )
     from plumbline.observations.facts import (
         LensFacts as LensFacts,
     )
-    from plumbline.reading.points import (
+    from plumbline.reading.joining import (
         join as join,
+    )
+    from plumbline.reading.points import (
         read as read,
     )
     from plumbline.result.calibration import (
@@ -102,6 +123,8 @@ if TYPE_CHECKING:
     )
 
 _HOMES = {
+    "plumbline.boards.find": ("find_board",),
+    "plumbline.observations.board": ("Board",),
     "plumbline.errors": (
         "CollapsedFitError",
         "DegenerateLinesError",
@@ -113,6 +136,7 @@ _HOMES = {
         "UnsupportedModelError",
         "WriteError",
     ),
+    "plumbline.edges.snap": ("Snapped", "snap"),
     "plumbline.fit.bootstrap": ("bootstrap",),
     "plumbline.fit.calibrate": ("calibrate", "calibrate_many"),
     "plumbline.fit.check": ("check",),
@@ -120,12 +144,16 @@ _HOMES = {
     "plumbline.formats.known": ("FORMATS",),
     "plumbline.frame": ("Frame",),
     "plumbline.geometry.lens": ("Lens",),
+    "plumbline.ground.rectification": ("Rectification",),
+    "plumbline.ground.rectify": ("rectify",),
+    "plumbline.ground.stored": ("read_rectification",),
     "plumbline.imaging.batch": ("Outcome", "correct_many"),
     "plumbline.imaging.correct": ("Corrected", "correct", "correct_array"),
     "plumbline.models": ("MODELS", "get_model"),
     "plumbline.observations": ("Line", "Observations", "Photo"),
     "plumbline.observations.facts": ("LensFacts",),
-    "plumbline.reading.points": ("join", "read"),
+    "plumbline.reading.joining": ("join",),
+    "plumbline.reading.points": ("read",),
     "plumbline.result.calibration": ("Calibration",),
     "plumbline.result.checked": ("Checked",),
     "plumbline.result.comparison": ("Candidate", "Comparison"),

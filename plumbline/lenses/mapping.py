@@ -98,14 +98,15 @@ class PhotoLens:
         points = points - np.array(from_centre)
         corner = self.frame.corner_radius * self.frame.radius_px / self.unit_px
         mapped = mapping(points, np.array(self.coefficients), REACH * corner)
-        self._refuse_folded(mapped)
+        self._refuse_folded(mapped, points)
         mapped += np.array(to_centre)
         if self.turn != UPRIGHT:
             mapped = mapped @ turn.T
         return self.frame.to_pixels(mapped, self.unit_px)
 
-    def _refuse_folded(self, mapped: Array) -> None:
-        lost = int(np.count_nonzero(np.isnan(mapped[..., 0])))
+    def _refuse_folded(self, mapped: Array, points: Array) -> None:
+        known = ~np.isnan(points).any(axis=-1)
+        lost = int(np.count_nonzero(np.isnan(mapped).any(axis=-1) & known))
         if lost:
             raise FoldedError(
                 f"the {self.model.label} polynomial of this lens folds before it reaches "

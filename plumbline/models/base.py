@@ -19,6 +19,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from types import MappingProxyType
 from typing import Any, ClassVar, Literal, final
 
@@ -231,10 +232,18 @@ class Model(ABC):
         return xx + 2 * p1 * y + 6 * p2 * x, xy + cross, xy + cross, yy + 6 * p1 * y + 2 * p2 * x
 
     def _within_fold(self, points: Array, c: Any, reach: float) -> Array:
-        """`apply`, NaN beyond the fold."""
+        """`apply`, NaN beyond the fold, which is looked for as far out as there are points."""
         x, y = points[..., 0], points[..., 1]
+        r = np.hypot(x, y)
+        farthest = float(np.max(r, initial=0.0, where=np.isfinite(r)))
         mapped = np.stack(self.apply(x, y, c), axis=-1)
-        fold = first_fold(self, c, reach)
+        fold = _known_fold(self, tuple(np.asarray(c).tolist()), max(reach, farthest))
         if fold is not None:
-            mapped[np.hypot(x, y) > fold] = np.nan
+            mapped[r > fold] = np.nan
         return mapped
+
+
+@lru_cache(maxsize=64)
+def _known_fold(model: Model, coefficients: tuple[float, ...], reach: float) -> float | None:
+    """`first_fold`, kept: a picture is mapped tile by tile with one lens."""
+    return first_fold(model, np.array(coefficients), reach)
