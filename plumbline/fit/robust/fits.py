@@ -114,7 +114,7 @@ def _odd(picks: Picks, screened: Screened) -> NDArray[np.bool_]:
 
 def _explains_more(best: Robust, problem: Problem, plain: Solution) -> bool:
     """Whether wrong picks explain the plain fit better than careless ones; see `worth`."""
-    if int(plain.folded):
+    if int(plain.folded) or _bent(best):
         return True
     finest_px = finest(problem)
     wrong = int(np.count_nonzero(~best.problem.kept))
@@ -125,6 +125,16 @@ def _explains_more(best: Robust, problem: Problem, plain: Solution) -> bool:
         wrong,
         _wrong_px(problem),
     )
+
+
+def _bent(best: Robust) -> bool:
+    """Whether a line that picks are left out of bends by itself: these err together."""
+    along, _ = best.agreed.lines.place(best.picks.ideal.uv, best.picks.line)
+    sigma_px = max(_sigma_px(best.problem, best.solution), finest(best.problem))
+    of_line = np.full(len(best.picks.sizes), sigma_px)
+    rounding_px = rounded(best.picks.finest_px)
+    found = bends(best.picks.line, along, best.agreed.distance_px, of_line, rounding_px)
+    return bool(np.any(found.bent[best.picks.line[~best.problem.kept]]))
 
 
 def _beliefs(problem: Problem, plain: Solution) -> list[NDArray[np.bool_]]:
