@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from plumbline.cli import VERBS
-from plumbline.formats.known import FORMATS
+from plumbline.formats.known import POINT_FORMATS
 from plumbline.models import MODELS
 from plumbline.result.schema import ResultRecord
 from tests.readme import README, ROOT, blocks, output
@@ -38,7 +38,7 @@ def test_every_verb_model_format_and_result_name_is_documented() -> None:
         assert f"plumbline {verb}" in TEXT
     for model in MODELS:
         assert f"`{model}" in TEXT
-    for name in FORMATS:
+    for name in POINT_FORMATS:
         assert f"`{name}`" in TEXT
     for name in ResultRecord.__struct_fields__:
         assert f"`{name}`" in TEXT, f"the JSON's {name} is not documented"

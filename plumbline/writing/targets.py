@@ -9,6 +9,7 @@ from math import atan, degrees
 
 from plumbline._version import __version__
 from plumbline.files import MARK
+from plumbline.formats.known import written
 from plumbline.formats.lens_files.imagemagick import barrel
 from plumbline.formats.lens_files.lenses_txt import lenses_txt
 from plumbline.formats.lens_files.lensfun import Distortion, LensfunLens, lensfun_xml
@@ -35,13 +36,11 @@ class Target:
     """What a lens can be exported to.
 
     Attributes:
-        suffix: Of the file.
         models: The models it holds as they are; others are refitted to the first.
         centre: Whether it holds a distortion centre.
         write: Makes the file of a lens that it holds.
     """
 
-    suffix: str
     models: tuple[str, ...]
     centre: bool
     write: Callable[[StoredLens], bytes]
@@ -53,10 +52,7 @@ def _known_focal_px(stored: StoredLens) -> float | None:
 
 def _ptlens_values(lens: Lens) -> Mapping[str, float]:
     """a, b, c, d, e of a lens that is ptlens or poly3."""
-    values = dict(lens.coefficients)
-    if lens.model.name == "poly3":
-        values |= {"a": 0.0, "b": values.pop("k1"), "c": 0.0}
-    return values
+    return {**lens.coefficients, **(lens.model.ptlens_values(lens.coefficients) or {})}
 
 
 def _abc(lens: Lens) -> tuple[float, float, float]:
@@ -149,13 +145,14 @@ def _opencv(stored: StoredLens) -> bytes:
     return opencv_yaml(stored.lens, stored.homography, _MARK)
 
 
-TARGETS: dict[str, Target] = {
-    "lensfun": Target(".xml", ("ptlens", "poly3", "poly5", "acm"), True, _lensfun),
-    "lenses-txt": Target(".txt", ("ptlens", "poly3"), False, _lenses_txt),
-    "pto": Target(".pto", ("ptlens", "poly3"), True, _pto),
-    "hugin-ini": Target(".ini", ("ptlens", "poly3"), True, _hugin_ini),
-    "ptlens": Target(".txt", ("ptlens", "poly3"), False, _ptlens),
-    "imagemagick": Target(".sh", ("ptlens", "poly3"), True, _imagemagick),
-    "opencv": Target(".yml", ("opencv",), True, _opencv),
+_TARGETS = {
+    "lensfun": Target(("ptlens", "poly3", "poly5", "acm"), True, _lensfun),
+    "lenses-txt": Target(("ptlens", "poly3"), False, _lenses_txt),
+    "pto": Target(("ptlens", "poly3"), True, _pto),
+    "hugin-ini": Target(("ptlens", "poly3"), True, _hugin_ini),
+    "ptlens": Target(("ptlens", "poly3"), False, _ptlens),
+    "imagemagick": Target(("ptlens", "poly3"), True, _imagemagick),
+    "opencv": Target(("opencv",), True, _opencv),
 }
+TARGETS = {name: _TARGETS[name] for name in written("lens")}
 """What `export` writes; `stmap` and `json` are no lenses in other words and stand apart."""

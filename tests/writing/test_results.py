@@ -356,7 +356,7 @@ def test_a_csv_does_not_mix_lenses(tmp_path: Path) -> None:
 
 
 def test_points_have_no_other_formats(tmp_path: Path) -> None:
-    for name in ("p.xml", "p.json", "p"):
+    for name in ("p.xml", "p.txt", "p"):
         with pytest.raises(PlumblineError, match="points are not written as") as caught:
             plumbline.write_points(calibration().observations, tmp_path / name)
         assert caught.value.hint
