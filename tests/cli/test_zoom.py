@@ -66,5 +66,5 @@ def test_files_that_are_no_results(tmp_path: Path, content: str) -> None:
     (tmp_path / "x.json").write_text(content)
     done = plumbline("zoom", tmp_path / "x.json", home=tmp_path)
     assert done.returncode == 1
-    assert "x.json: this is no calibration written by plumbline." in done.stderr
+    assert "x.json: this is not a calibration written by plumbline." in done.stderr
     assert "plumbline fit POINTS -o result.json" in done.stderr

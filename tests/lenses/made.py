@@ -81,8 +81,8 @@ def with_own_covariance(made: Calibration) -> Calibration:
     return replace(made, covariance=covariance_of(made.linearised, made.dof)[0])
 
 
-def saved(path: Path, made: Calibration) -> str:
-    """Its JSON in a file, with the covariance of its picks."""
+def saved(path: Path, *made: Calibration) -> str:
+    """Their JSON in a file, with the covariance of their picks."""
     path.write_text(
         to_json([replace(made, covariance=covariance_of(made.linearised, made.dof)[0])])
     )
