@@ -83,7 +83,5 @@ def with_own_covariance(made: Calibration) -> Calibration:
 
 def saved(path: Path, *made: Calibration) -> str:
     """Their JSON in a file, with the covariance of their picks."""
-    path.write_text(
-        to_json([replace(made, covariance=covariance_of(made.linearised, made.dof)[0])])
-    )
+    path.write_text(to_json([with_own_covariance(each) for each in made]))
     return str(path)
