@@ -18,6 +18,9 @@ from typing import TYPE_CHECKING
 from plumbline._version import __version__ as __version__
 
 if TYPE_CHECKING:
+    from plumbline.boards.find import (
+        find_board as find_board,
+    )
     from plumbline.errors import (
         CollapsedFitError as CollapsedFitError,
         DegenerateLinesError as DegenerateLinesError,
@@ -51,6 +54,15 @@ if TYPE_CHECKING:
     from plumbline.geometry.lens import (
         Lens as Lens,
     )
+    from plumbline.ground.rectification import (
+        Rectification as Rectification,
+    )
+    from plumbline.ground.rectify import (
+        rectify as rectify,
+    )
+    from plumbline.ground.stored import (
+        read_rectification as read_rectification,
+    )
     from plumbline.imaging.batch import (
         Outcome as Outcome,
         correct_many as correct_many,
@@ -68,6 +80,9 @@ if TYPE_CHECKING:
         Line as Line,
         Observations as Observations,
         Photo as Photo,
+    )
+    from plumbline.observations.board import (
+        Board as Board,
     )
     from plumbline.observations.facts import (
         LensFacts as LensFacts,
@@ -104,6 +119,8 @@ if TYPE_CHECKING:
     )
 
 _HOMES = {
+    "plumbline.boards.find": ("find_board",),
+    "plumbline.observations.board": ("Board",),
     "plumbline.errors": (
         "CollapsedFitError",
         "DegenerateLinesError",
@@ -122,6 +139,9 @@ _HOMES = {
     "plumbline.formats.known": ("FORMATS",),
     "plumbline.frame": ("Frame",),
     "plumbline.geometry.lens": ("Lens",),
+    "plumbline.ground.rectification": ("Rectification",),
+    "plumbline.ground.rectify": ("rectify",),
+    "plumbline.ground.stored": ("read_rectification",),
     "plumbline.imaging.batch": ("Outcome", "correct_many"),
     "plumbline.imaging.correct": ("Corrected", "correct", "correct_array"),
     "plumbline.models": ("MODELS", "get_model"),

@@ -17,10 +17,13 @@ from plumbline.errors import PlumblineError, printable
 
 VERBS = {
     "fit": "Find the distortion that makes picked lines straight.",
+    "board": "Calibrate from photographs of a chequerboard.",
     "check": "Say whether the picks determine the distortion, and what to pick next.",
     "compare": "Compare the distortion models on the same picks, and recommend one.",
     "report": "Show a calibration as a page with figures, tables and checksums.",
     "correct": "Take the lens distortion out of photographs.",
+    "rectify": "Rectify a photograph of a plane to scale.",
+    "measure": "Measure places, distances, angles and areas in a rectified photograph.",
     "convert": "Convert picked points to CSV, JSON or a Hugin project.",
     "lens": "Show which lens a photo would be corrected with, or store a calibration.",
     "zoom": "Join calibrations at several focal lengths into one lens.",

@@ -234,3 +234,29 @@ plotting = click.option(
     "given several times.",
 )
 """Options of verbs that draw the figures of a calibration."""
+
+results = stacked(
+    click.option(
+        "-o",
+        "--output",
+        multiple=True,
+        metavar="FILE",
+        help="Write this file (.pto, .xml or .json); may be given several times.",
+    ),
+    click.option(
+        "--report",
+        metavar="FILE",
+        help="Write a report: one HTML page with figures, tables and checksums.",
+    ),
+)
+"""Options of verbs that fit a lens, for its files."""
+
+printing = stacked(
+    click.option("--json", "as_json", is_flag=True, help="Print the result as JSON."),
+    click.option("-v", "--verbose", is_flag=True, help="List every line, however many."),
+    click.option("-q", "--quiet", is_flag=True, help="Print only the finding and the files."),
+)
+"""Options of verbs that fit a lens, for what they print."""
+
+DELIVERY = ("output", "report", "plots", "overwrite", "as_json", "verbose", "quiet")
+"""Parameters of `results`, `plotting`, `overwriting` and `printing`."""

@@ -33,9 +33,14 @@ def parts_of(sources: Sequence[str], options: Mapping[str, Any]) -> list[Observa
     Raises:
         PlumblineError: as `read` and `split_by_lens`.
     """
-    labels = {fact: options.get(name) for name, fact in _FACTS.items()}
+    labels = labels_of(options)
     how = {name: value for name, value in options.items() if name not in _FACTS}
     return split_by_lens(read(sources, **how), labels)
+
+
+def labels_of(options: Mapping[str, Any]) -> dict[str, Any]:
+    """What `options.labelling` says of a lens, by the names of `LensFacts`."""
+    return {fact: options.get(name) for name, fact in _FACTS.items()}
 
 
 def split_by_lens(observations: Observations, labels: Mapping[str, Any]) -> list[Observations]:
