@@ -76,6 +76,9 @@ _SPELT = {
     "‘": "'",
     "’": "'",
     "\N{NO-BREAK SPACE}": " ",
+    "«": "<<",
+    "»": ">>",
+    "\N{REPLACEMENT CHARACTER}": "(?)",
 }
 """What stands for a sign in an encoding that lacks it, so that no two signs become one."""
 

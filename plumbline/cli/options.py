@@ -230,7 +230,7 @@ plotting = click.option(
     multiple=True,
     metavar="FILE",
     help="Draw one figure; the last part of FILE's stem names it, as in curve.svg or "
-    "building.curve.png: photo, lines, curve, displacement, uncertainty, radius, along. May be "
+    "building.curve.png: photo, lines, curve, displacement, uncertainty, corrected, radius, along. May be "
     "given several times.",
 )
 """Options of verbs that draw the figures of a calibration."""

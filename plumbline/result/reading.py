@@ -132,7 +132,15 @@ def _calibration(record: ResultRecord) -> Calibration:
 def _observations(stored: ObservationsRecord) -> Observations:
     observations = Observations(
         photos=tuple(
-            Photo(photo.size, photo.name, 0, photo.pixel_aspect, photo.number)
+            Photo(
+                photo.size,
+                photo.name,
+                pixel_aspect=photo.pixel_aspect,
+                number=photo.number,
+                sha256=photo.sha256,
+                taken=photo.taken,
+                serial=photo.serial,
+            )
             for photo in stored.photos
         ),
         lines=tuple(_line(line, len(stored.photos)) for line in stored.lines),

@@ -43,12 +43,15 @@ class Head(Struct, frozen=True, kw_only=True):
 
 
 class PhotoRecord(Struct, frozen=True, kw_only=True):
-    """A photo, without its picture."""
+    """A photo, without its picture; `sha256` is that of its file when the points were read."""
 
     name: str
     number: int
     size: tuple[Count, Count]
     pixel_aspect: Number
+    sha256: str = ""
+    taken: str = ""
+    serial: str = ""
 
 
 class LineRecord(Struct, frozen=True, kw_only=True):

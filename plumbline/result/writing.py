@@ -158,6 +158,9 @@ def _observations(made: Calibration) -> ObservationsRecord:
                 number=photo.number,
                 size=photo.frame.size,
                 pixel_aspect=photo.pixel_aspect,
+                sha256=photo.sha256,
+                taken=photo.taken,
+                serial=photo.serial,
             )
             for photo in observations.photos
         ),
