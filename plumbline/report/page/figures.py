@@ -74,7 +74,8 @@ def _figure(name: str, subject: Subject, number: int) -> Element:
         shows = f"{shows}."
     with style.drawing():
         drawing = inline(FIGURES[name](subject), f"f{number}-", shows)
-    return tag("figure", drawing, tag("figcaption", tag("b", f"Figure {number}."), f" {shows}"))
+    shown = tag("div", drawing, class_="drawing")
+    return tag("figure", shown, tag("figcaption", tag("b", f"Figure {number}."), f" {shows}"))
 
 
 def photo_name(photo: Photo) -> str:
