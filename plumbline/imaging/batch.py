@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import islice
 from pathlib import Path
 from typing import Any, Literal
 
 from plumbline.errors import PlumblineError
-from plumbline.imaging.correct import Corrected, LensSource, correct_file
+from plumbline.imaging.correct import Corrected, LensSource, correct_file, looks_for_name
 from plumbline.imaging.settings import Settings
 from plumbline.imaging.targets import Task, plan
+from plumbline.photos.exif import read_photo
+from plumbline.photos.exiftool import installed, lacks_name, lens_names
 
 _IN_FLIGHT = 128
 _DIED = "the process that corrected it died, perhaps for want of memory"
@@ -49,6 +51,8 @@ class Work:
         overwrite: Replace files that plumbline did not make.
         skip_existing: Leave out photographs whose output exists.
         threads: Number of threads in each worker; one a core by default.
+        lens_names: Names of lenses by exiftool, for photos that do not tell them; each worker
+            asks for its own if None.
     """
 
     lens: LensSource = None
@@ -56,6 +60,7 @@ class Work:
     overwrite: bool = False
     skip_existing: bool = False
     threads: int | None = None
+    lens_names: Mapping[Path, str] | None = None
 
 
 def correct_many(
@@ -92,8 +97,25 @@ def correct_many(
     how = Settings(**settings)
     tasks = plan(list(photos), output, suffix, difference=how.difference)
     work = Work(lens, how, overwrite, skip_existing, threads=1 if executor else None)
+    work = with_lens_names(tasks, work)
     outcomes = {each.output: each for each in run(tasks, work, executor)}
     return [outcomes[task.target] for task in tasks]
+
+
+def with_lens_names(tasks: Sequence[Task], work: Work) -> Work:
+    """The work with the lenses that photos do not name, asked of exiftool in one process."""
+    if not looks_for_name(work.lens) or not installed():
+        return work
+    unnamed: list[Path] = []
+    for task in tasks:
+        if work.skip_existing and task.target.exists():
+            continue
+        try:
+            if lacks_name(read_photo(task.photo)):
+                unnamed.append(task.photo)
+        except PlumblineError:
+            continue  # told of when its turn comes
+    return replace(work, lens_names=lens_names(unnamed))
 
 
 def run(tasks: Sequence[Task], work: Work, executor: Executor | None) -> Iterator[Outcome]:
@@ -163,6 +185,7 @@ def do(task: Task, work: Work) -> Outcome:
             work.settings,
             overwrite=work.overwrite,
             threads=work.threads,
+            lens_name=None if work.lens_names is None else work.lens_names.get(task.photo, ""),
         )
     except PlumblineError as error:
         return _failed(task, error.message, error.hint)

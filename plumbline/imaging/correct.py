@@ -23,6 +23,7 @@ from plumbline.lenses.request import LensRequest
 from plumbline.lenses.stored import StoredLens, of_calibration
 from plumbline.observations.facts import LensFacts
 from plumbline.photos.exif import PhotoFacts, read_photo
+from plumbline.photos.exiftool import EXIFTOOL, lacks_name, with_lens_name
 from plumbline.photos.files.encode import encode, format_of
 from plumbline.photos.files.metadata import note_of
 from plumbline.photos.files.picture import Pixels, decode
@@ -157,6 +158,7 @@ def correct_file(
     *,
     overwrite: bool = False,
     threads: int | None = None,
+    lens_name: str | None = None,
 ) -> Corrected:
     """Correct one photograph; see `correct`.
 
@@ -167,13 +169,14 @@ def correct_file(
         settings: How to correct.
         overwrite: Replace a file that plumbline did not make.
         threads: Number of threads; one a core by default.
+        lens_name: Name of the lens by exiftool, empty if it knows none; asked if None.
     """
     compared = difference_of(target) if settings.difference else None
     for each in (target, compared):
         if each is not None:
             check_target(each, photo, overwrite=overwrite)
     _check_border(settings, target)
-    facts = read_photo(photo)
+    facts = _named(read_photo(photo), photo, lens, lens_name)
     found = correction_for(facts.taken_as_corrected() if settings.inverse else facts, lens)
     sampling = _sampling(found, settings, facts.orientation)
     picture = decode(read_bytes(photo), photo)
@@ -186,6 +189,22 @@ def correct_file(
     write_atomically(contents)
     notes = (*found.notes, *fold_notes(sampling), *picture.notes, *lost)
     return Corrected(photo, target, found.description, notes, compared)
+
+
+def _named(facts: PhotoFacts, photo: Path, lens: LensSource, lens_name: str | None) -> PhotoFacts:
+    """The facts of a photo with the name of its lens, if a database is to be asked for it."""
+    if not looks_for_name(lens) or not lacks_name(facts):
+        return facts
+    if lens_name is None:
+        return with_lens_name(facts, photo)
+    return facts.naming(lens_name, EXIFTOOL) if lens_name else facts
+
+
+def looks_for_name(lens: LensSource) -> bool:
+    """Whether the name of a photo's lens matters to find it."""
+    if isinstance(lens, LensRequest):
+        return lens.looks_for_name
+    return lens is None or (isinstance(lens, str | Path) and _request(lens).looks_for_name)
 
 
 def _check_border(settings: Settings, target: Path) -> None:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -104,15 +105,37 @@ def plan(
     return tasks
 
 
+def passed_over(
+    sources: Iterable[str | Path], output: str | Path | None, suffix: str | None = None
+) -> dict[str, int]:
+    """How many files of folders are not corrected, by the ends of their names.
+
+    Hidden files and results of an earlier run are not counted.
+
+    Args:
+        sources: Files and folders, as `plan` takes them.
+        output: As `plan` takes it.
+        suffix: As `plan` takes it.
+    """
+    result = SUFFIX if suffix is None else suffix
+    kinds: Counter[str] = Counter()
+    for folder in filter(Path.is_dir, map(Path, sources)):
+        for path in _files(folder, output):
+            plain = not path.name.startswith(".") and not _is_result(path, result)
+            if plain and path.suffix.lower() not in _PICTURES:
+                kinds[path.suffix.lower() or "without suffix"] += 1
+    return dict(kinds.most_common())
+
+
 def refuse_suffix(suffix: str) -> None:
-    """Refuse a suffix of results that is no part of a file name.
+    """Refuse a suffix of results that cannot be part of a file name.
 
     Raises:
         OptionError: as said.
     """
     if os.sep in suffix or "/" in suffix or "\0" in suffix:
         raise OptionError(
-            f"the suffix {suffix!r} is no part of a file name", hint="name a folder with -o"
+            f"the suffix {suffix!r} cannot be part of a file name", hint="name a folder with -o"
         )
 
 
@@ -123,21 +146,7 @@ def _is_folder(output: str | Path) -> bool:
 
 def _pictures(folder: Path, suffix: str, output: str | Path | None) -> list[Path]:
     """Originals below a folder, those in the output folder left out."""
-    results = None if output is None else Path(output).absolute()
-
-    def stop(error: OSError) -> None:
-        raise ReadError(
-            f"the folder cannot be read: {error.strerror}", path=error.filename or folder
-        ) from None
-
-    found: list[Path] = []
-    for place, folders, files in os.walk(folder, onerror=stop):
-        folders[:] = sorted(
-            name
-            for name in folders
-            if not name.startswith(".") and Path(place, name).absolute() != results
-        )
-        found += [Path(place, name) for name in sorted(files) if _is_original(name, suffix)]
+    found = [path for path in _files(folder, output) if _is_original(path, suffix)]
     if not found:
         raise ReadError(
             "there is no picture in this folder",
@@ -147,10 +156,31 @@ def _pictures(folder: Path, suffix: str, output: str | Path | None) -> list[Path
     return found
 
 
-def _is_original(name: str, suffix: str) -> bool:
-    path = Path(name)
-    result = bool(suffix) and path.stem.endswith((suffix, suffix + DIFFERENCE))
-    return path.suffix.lower() in _PICTURES and not name.startswith(".") and not result
+def _files(folder: Path, output: str | Path | None) -> Iterator[Path]:
+    """All files below a folder, those in hidden folders and in the output folder left out."""
+    results = None if output is None else Path(output).absolute()
+
+    def stop(error: OSError) -> None:
+        raise ReadError(
+            f"the folder cannot be read: {error.strerror}", path=error.filename or folder
+        ) from None
+
+    for place, folders, files in os.walk(folder, onerror=stop):
+        folders[:] = sorted(
+            name
+            for name in folders
+            if not name.startswith(".") and Path(place, name).absolute() != results
+        )
+        yield from (Path(place, name) for name in sorted(files))
+
+
+def _is_original(path: Path, suffix: str) -> bool:
+    hidden = path.name.startswith(".")
+    return path.suffix.lower() in _PICTURES and not hidden and not _is_result(path, suffix)
+
+
+def _is_result(path: Path, suffix: str) -> bool:
+    return bool(suffix) and path.stem.endswith((suffix, suffix + DIFFERENCE))
 
 
 def _refuse_collisions(tasks: Iterable[Task], *, difference: bool) -> None:
@@ -183,7 +213,7 @@ def check_target(target: Path, photo: Path, *, overwrite: bool) -> None:
                 hint="choose another name with -o, or a --suffix",
             )
         if not target.is_file():
-            raise WriteError("this is no regular file", path=target, hint="name a file with -o")
+            raise WriteError("this is not a regular file", path=target, hint="name a file with -o")
         if not overwrite and not _is_ours(target):
             raise WriteError(
                 "this file exists and was not written by plumbline",

@@ -18,7 +18,7 @@ class Candidate:
     Attributes:
         name: Its name, as `--lens-name` takes it.
         range_mm: Shortest and longest calibrated focal length; None if not calibrated.
-        attached: Whether a converter is attached to the camera's own lens.
+        attached: Whether it is a variant: a converter is attached, or it is for close distances.
         score: How well its name matches; larger is better.
     """
 
@@ -69,7 +69,7 @@ def choose(
     ]
     note = ""
     if converters:
-        note = f"lenses with a converter were left aside: {listed(converters, 4)} (--lens-name)"
+        note = f"variants (converter, macro) were left aside: {listed(converters, 4)} (--lens-name)"
     best = [i for i in left if candidates[i].score == max(candidates[j].score for j in left)]
     if len(best) > 1 or (not named and len(left) > 1):
         raise OptionError(

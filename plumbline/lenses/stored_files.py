@@ -18,6 +18,7 @@ from plumbline.lenses.stored import StoredLens, of_calibration, projection_note
 from plumbline.models import CENTRE, get_model
 from plumbline.observations import MAX_SIDE
 from plumbline.observations.facts import LensFacts
+from plumbline.photos.cameras import camera_name
 from plumbline.result.files import consistent_results
 
 KINDS = "a result JSON, a Hugin or PTGui project, or a Hugin lens .ini"
@@ -96,7 +97,7 @@ def _of_ini(source: Source) -> StoredLens:
             "the lens file has no image_width and image_height, which its values are measured in",
             hint="save the lens again in Hugin",
         )
-    camera = f"{found.camera_maker} {found.camera_model}".strip()
+    camera = camera_name(found.camera_maker, found.camera_model)
     facts = LensFacts(
         camera=printable(camera),
         exif_make=printable(found.camera_maker),

@@ -20,9 +20,6 @@ _OTHER_PART = 0.12
 by width and by diagonal differ by 4 % on 4:3 sensors and are rounded to whole millimetres, and
 the mildest crop mode of a camera, Nikon's, is 1.2."""
 
-_ERROR_OF_DATABASE = 0.01
-"""Relative; chosen because LensFun gives many crop factors with two digits."""
-
 
 def camera_name(maker: str, model: str) -> str:
     """Maker and model, the maker once."""
@@ -76,7 +73,7 @@ def agreed_crop(
         return by_focal, error, (f"{note} (--crop-factor)",)
     if known:
         note = f"{said}, LensFun's {model} has {known:.4g}: the latter is taken (--crop-factor)"
-        return known, _ERROR_OF_DATABASE, (note,)
+        return known, None, (note,)
     return by_sensor, None, ()
 
 

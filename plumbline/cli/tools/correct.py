@@ -13,11 +13,12 @@ import click
 
 from plumbline.errors import OptionError, printable
 from plumbline.files import read_bytes
-from plumbline.imaging.batch import Outcome, Work, run, run_in_processes
+from plumbline.imaging.batch import Outcome, Work, run, run_in_processes, with_lens_names
 from plumbline.imaging.correct import Corrected, correct_file, correction_for
+from plumbline.imaging.quiet import libraries_silenced
 from plumbline.imaging.resample import cores
 from plumbline.imaging.settings import Settings
-from plumbline.imaging.targets import SUFFIX, Task, plan, refuse_suffix
+from plumbline.imaging.targets import SUFFIX, Task, passed_over, plan, refuse_suffix
 from plumbline.lenses.request import LensRequest
 from plumbline.wording import count, listed
 
@@ -26,6 +27,11 @@ _SETTINGS = ("interpolation", "scale", "border", "quality", "inverse", "differen
 
 def pictures(sources: Sequence[str], request: LensRequest, how: Mapping[str, Any]) -> None:
     """Correct photographs, and say what was done; status 1 if one of them failed."""
+    with libraries_silenced():
+        _pictures(sources, request, how)
+
+
+def _pictures(sources: Sequence[str], request: LensRequest, how: Mapping[str, Any]) -> None:
     if how["scheduler"] and request.source:  # workers have a working folder of their own
         request = replace(request, source=str(Path(request.source).absolute()))
     settings = Settings(**{name: how[name] for name in _SETTINGS})
@@ -42,7 +48,11 @@ def pictures(sources: Sequence[str], request: LensRequest, how: Mapping[str, Any
     if request.source is not None and not Path(request.source).is_dir():
         read_bytes(request.source)  # what is wrong with it is told once, not for every photo
     work = Work(request, settings, how["overwrite"], how["skip_existing"])
-    failed = _many(tasks, work, how)
+    failed = _many(tasks, with_lens_names(tasks, work), how)
+    over = passed_over(sources, how["output"], how["suffix"])
+    if over and not how["quiet"]:
+        kinds = listed([f"{number:,} {kind}" for kind, number in over.items()])
+        click.echo(f"Passed over {count(sum(over.values()), 'other file')}: {kinds}.")
     if failed:
         sys.exit(1)
 
@@ -54,7 +64,7 @@ def _make_folder(task: Task, output: str | None) -> None:
             task.target.parent.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise OptionError(
-                f"the folder {output} cannot be made: {error.strerror}", hint="choose another -o"
+                f"the folder {output} cannot be created: {error.strerror}", hint="choose another -o"
             ) from None
 
 

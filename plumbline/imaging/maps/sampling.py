@@ -16,8 +16,7 @@ def sampling_of(
     """The map of a picture as it is stored; see `view_of`.
 
     Raises:
-        OptionError: the lens folds so far inside that hardly anything of the photo remains, or
-            inside a frame that it is to fill.
+        OptionError: the lens folds so far inside that hardly anything of the photo remains.
     """
     view = view_of(correction, orientation=orientation, scale=scale, inverse=inverse)
     sampling = SamplingMap(view.stored_size, view.observed)
@@ -28,11 +27,6 @@ def sampling_of(
         raise OptionError(
             f"{at}, so that hardly anything of the photo remains",
             hint="check the decimal dots and signs of the lens values, or take another lens",
-        )
-    if scale == "fill":
-        raise OptionError(
-            f"{at}, so that the photo cannot fill the frame",
-            hint="leave out --scale fill, or take other lens values",
         )
     return sampling
 
