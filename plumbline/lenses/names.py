@@ -9,7 +9,22 @@ from dataclasses import dataclass
 _FOCAL = re.compile(r"(\d+(?:\.\d+)?)(?:\s*-\s*(\d+(?:\.\d+)?))?\s*(?:mm\b|(?=\s*/\s*f?\d))", re.I)
 _APERTURE = re.compile(r"(?:\bf\s*/?\s*|\b1:|/)(\d+(?:\.\d+)?)(?:\s*-\s*(\d+(?:\.\d+)?))?", re.I)
 _WORD = re.compile(r"\d+(?:\.\d+)?|[a-z]+|\+")
-_NO_WORDS = frozenset("mm f lens canon nikon sony pentax smc hd olympus panasonic fujifilm".split())
+_NO_WORDS = frozenset(
+    (
+        "mm",
+        "f",
+        "lens",
+        "canon",
+        "nikon",
+        "sony",
+        "pentax",
+        "smc",
+        "hd",
+        "olympus",
+        "panasonic",
+        "fujifilm",
+    )
+)
 
 _SAME_FOCAL = 0.02
 """Chosen because names round focal lengths to whole millimetres, from about 50 mm on by 1 %."""

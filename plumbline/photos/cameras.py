@@ -7,8 +7,25 @@ from functools import cache
 from typing import Any
 
 _COMPANY = frozenset(
-    "corporation corp company co ltd inc gmbh ag imaging optical electronics techwin photo "
-    "electric industries kabushiki kaisha".split()
+    (
+        "corporation",
+        "corp",
+        "company",
+        "co",
+        "ltd",
+        "inc",
+        "gmbh",
+        "ag",
+        "imaging",
+        "optical",
+        "electronics",
+        "techwin",
+        "photo",
+        "electric",
+        "industries",
+        "kabushiki",
+        "kaisha",
+    )
 )
 """Words of makers' names in EXIF that people and databases leave out."""
 

@@ -164,8 +164,7 @@ def _read_header(path: str | Path, hint: str) -> _Header:
     from PIL import Image, UnidentifiedImageError
 
     try:
-        if not Path(path).is_file() and Path(path).exists():
-            raise ReadError("this is not a file", path=path, hint=hint)
+        _refuse_other_than_file(path, hint)
         with Path(path).open("rb") as file:
             head = file.read(HEAD)
         refuse_by_name(head, path)
@@ -185,6 +184,11 @@ def _read_header(path: str | Path, hint: str) -> _Header:
     except _DAMAGE as error:
         reason = (error.strerror if isinstance(error, OSError) else None) or error
         raise ReadError(f"the photo cannot be read: {reason}", path=path, hint=hint) from None
+
+
+def _refuse_other_than_file(path: str | Path, hint: str) -> None:
+    if not Path(path).is_file() and Path(path).exists():
+        raise ReadError("this is not a file", path=path, hint=hint)
 
 
 def _other_header(path: str | Path) -> _Header:

@@ -69,6 +69,16 @@ class _Directory:
         return _directory(self.whole, start or 0, self.order)
 
 
+@dataclass(frozen=True)
+class _Place:
+    """Maker notes, the bytes that some offsets count in, and where the notes stand in these."""
+
+    notes: bytes
+    whole: bytes
+    start: int
+    order: str
+
+
 def read_maker_notes(notes: bytes, block: bytes, maker: str) -> MakerNotes:
     """What maker notes tell.
 
@@ -80,13 +90,14 @@ def read_maker_notes(notes: bytes, block: bytes, maker: str) -> MakerNotes:
     at = block.find(notes) if notes else -1
     whole, start = (block, at) if at >= 0 else (notes, 0)
     order = ">" if whole[:2] == b"MM" else "<"
+    place = _Place(notes, whole, start, order)
     reader = next((r for head, r in _READERS.items() if notes.startswith(head)), None)
     if reader is None and maker.casefold().startswith("canon"):
         reader = _canon
     if reader is None or not notes:
         return MakerNotes()
     try:
-        return reader(notes, whole, start, order)
+        return reader(place)
     except (struct.error, IndexError, ValueError):
         return MakerNotes()  # notes that are cut off or were edited tell nothing
 
@@ -99,9 +110,9 @@ def _told(lens: str, what: str, switch: bool | None) -> MakerNotes:
     )
 
 
-def _canon(notes: bytes, whole: bytes, start: int, order: str) -> MakerNotes:
+def _canon(at: _Place) -> MakerNotes:
     """0x0095 is the lens; 0x4016's entry 7 and 0x4015's entry 3 switch the correction."""
-    found = _directory(whole, start, order)
+    found, order = _directory(at.whole, at.start, at.order), at.order
     setting, applied = found.values.get(0x4016, b""), found.values.get(0x4015, b"")
     switch: bool | None = None
     if len(setting) >= 32:
@@ -111,9 +122,9 @@ def _canon(notes: bytes, whole: bytes, start: int, order: str) -> MakerNotes:
     return _told(found.text(0x0095), "Canon: distortion correction", switch)
 
 
-def _nikon(notes: bytes, whole: bytes, start: int, order: str) -> MakerNotes:
+def _nikon(at: _Place) -> MakerNotes:
     """0x002B's fifth byte is 1 or 2 for on; 0x0084 has the lens's focal lengths."""
-    tiff = notes[10:]
+    tiff = at.notes[10:]
     order = "<" if tiff.startswith(b"II") else ">"
     found = _directory(tiff, struct.unpack_from(f"{order}I", tiff, 4)[0], order)
     value = found.values.get(0x002B, b"")[4:5]
@@ -128,45 +139,45 @@ def _nikon(notes: bytes, whole: bytes, start: int, order: str) -> MakerNotes:
     return MakerNotes("", range_mm, told.corrected, told.uncorrected)
 
 
-def _sony(notes: bytes, whole: bytes, start: int, order: str) -> MakerNotes:
+def _sony(at: _Place) -> MakerNotes:
     """0x2013 is 2 for on."""
-    order = "<" if notes[13] == 0 else ">"  # fewer than 256 entries
-    setting = _directory(whole, start + 12, order).number(0x2013)
+    order = "<" if at.notes[13] == 0 else ">"  # fewer than 256 entries
+    setting = _directory(at.whole, at.start + 12, order).number(0x2013)
     switch = None if setting is None else setting == 2
     return _told("", "Sony: distortion correction", switch)
 
 
-def _olympus_old(notes: bytes, whole: bytes, start: int, order: str) -> MakerNotes:
-    return _olympus(_directory(whole, start + 8, order))
+def _olympus_old(at: _Place) -> MakerNotes:
+    return _olympus(_directory(at.whole, at.start + 8, at.order))
 
 
-def _olympus_new(notes: bytes, whole: bytes, start: int, order: str) -> MakerNotes:
-    head = 16 if notes.startswith(b"OM SYSTEM") else 12
-    order = "<" if notes[head - 4 : head - 2] == b"II" else ">"
-    return _olympus(_directory(notes, head, order))
+def _olympus_new(at: _Place) -> MakerNotes:
+    head = 16 if at.notes.startswith(b"OM SYSTEM") else 12
+    order = "<" if at.notes[head - 4 : head - 2] == b"II" else ">"
+    return _olympus(_directory(at.notes, head, order))
 
 
 def _olympus(found: _Directory) -> MakerNotes:
-    """Equipment 0x0203 is the lens; camera settings 0x050B or image processing 0x1011 is 1 for on."""
+    """Equipment's 0x0203 is the lens; settings' 0x050B or processing's 0x1011 is 1 for on."""
     lens = found.below(0x2010).text(0x0203)
     settings = (found.below(0x2020).number(0x050B), found.below(0x2040).number(0x1011))
     known = [value for value in settings if value is not None]
     return _told(lens, "Olympus: distortion correction", any(known) if known else None)
 
 
-def _panasonic(notes: bytes, whole: bytes, start: int, order: str) -> MakerNotes:
+def _panasonic(at: _Place) -> MakerNotes:
     """0x0051 is the lens."""
-    return _told(_directory(whole, start + 12, order).text(0x0051), "", None)
+    return _told(_directory(at.whole, at.start + 12, at.order).text(0x0051), "", None)
 
 
-def _pentax_old(notes: bytes, whole: bytes, start: int, order: str) -> MakerNotes:
-    order = ">" if notes[4:6] == b"MM" else "<"
-    return _pentax(_directory(whole, start + 6, order))
+def _pentax_old(at: _Place) -> MakerNotes:
+    order = ">" if at.notes[4:6] == b"MM" else "<"
+    return _pentax(_directory(at.whole, at.start + 6, order))
 
 
-def _pentax_new(notes: bytes, whole: bytes, start: int, order: str) -> MakerNotes:
-    order = ">" if notes[8:10] == b"MM" else "<"
-    return _pentax(_directory(notes, 10, order))
+def _pentax_new(at: _Place) -> MakerNotes:
+    order = ">" if at.notes[8:10] == b"MM" else "<"
+    return _pentax(_directory(at.notes, 10, order))
 
 
 def _pentax(found: _Directory) -> MakerNotes:
@@ -175,7 +186,7 @@ def _pentax(found: _Directory) -> MakerNotes:
     return _told("", "Pentax: distortion correction", {b"\0": False, b"\1": True}.get(value))
 
 
-_READERS: dict[bytes, Callable[[bytes, bytes, int, str], MakerNotes]] = {
+_READERS: dict[bytes, Callable[[_Place], MakerNotes]] = {
     b"Nikon\0": _nikon,
     b"SONY ": _sony,
     b"OLYMP\0": _olympus_old,

@@ -5,7 +5,8 @@
 r_obs = r (A r³ + B r² + C r + D) with r over half the shorter side, about (X, Y) counted from
 the pixel's edge: the model and the direction of `ptlens`. The centre lies on both sides, so a
 shifted one moves the corrected picture by the shift. It is written as shares of the width and the
-height, so that it fits photos of any size that lie as those of the calibration. Source: ImageMagick, "Distorting Images".
+height, so that it fits photos of any size that lie as those of the calibration. Source:
+ImageMagick, "Distorting Images".
 """
 
 from __future__ import annotations

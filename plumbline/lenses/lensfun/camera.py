@@ -29,7 +29,7 @@ _CORRECTING_SINCE = 2008
 
 
 def lens_is_fixed(camera: Any) -> bool:
-    """Whether a camera has a lens of its own: LensFun's mounts of those begin with a small letter."""
+    """Whether a camera has a built-in lens: LensFun's mounts begin small then."""
     return str(camera.mount)[:1].islower()
 
 

@@ -30,6 +30,10 @@ Found = tuple[LensProfile, tuple[Candidate, ...]]
 _VARIANTS = (", with ", "converter", "adapter", "extender", ", macro")
 """Words of entries that are a lens with something, or at a close distance."""
 
+_SAME_SENSOR = 1.04
+"""Largest ratio of crop factors at which LensFun 0.3 takes a lens for a camera
+(`lfDatabase::FindLenses`: it keeps lenses down to 0.96 of the camera's)."""
+
 _LIKENESS = 1e6
 """Chosen so that likeness counts before LensFun's score, which is below a thousand."""
 
@@ -217,7 +221,7 @@ def _unknown_lens(
         lens
         for lens in database.library.lenses
         if camera is not None
-        and lens.crop_factor > camera.crop_factor
+        and lens.crop_factor > camera.crop_factor * _SAME_SENSOR
         and lens.calib_distortion
         and agree(numbers_of(name), _numbers(lens))
         and likeness(name, lens.model) >= _ALIKE

@@ -60,7 +60,7 @@ def complete(data: bytes) -> bool:
     return end_of(data) > 0
 
 
-def filled(data: bytes, *, progressive: bool) -> bool:
+def filled(data: bytes, progressive: bool) -> bool:
     """Whether there are pixels up to the end.
 
     A decoder that runs out of them invents the rest. It reads other pixels where meaningless
@@ -84,43 +84,46 @@ def read_metadata(data: bytes) -> tuple[Metadata, list[str]]:
     EXIF stands apart; the rest are records, the last of them the trailer.
     """
     exif, records, alone = b"", list[bytes](), True
-    packet, comment, resources, others = b"", "", b"", set[str]()
+    told: dict[str, bytes] = {}
+    others: set[str] = set()
     for marker, start, end in segments(data):
         payload = data[start:end]
         if marker == _APP1 and payload.startswith(_EXIF) and not exif:
             exif = payload[len(_EXIF) :]
-            continue
-        if marker == _APP0 and payload.startswith(_JFIF):
+        elif marker == _APP0 and payload.startswith(_JFIF):
             records.append(_segment(_APP0, payload[: _JFIF_HEAD - 2] + b"\0\0"))
-            continue
-        if marker == _APP2 and payload.startswith((_MPF, _GAIN_MAP)):
+        elif marker == _APP2 and payload.startswith((_MPF, _GAIN_MAP)):
             alone = False
-            continue
-        if not (marker == _COM or _APP1 <= marker <= _APP15) or marker == _APP14:
-            continue
-        records.append(_segment(marker, payload))
-        if marker == _COM:
-            comment = comment or payload.rstrip(b"\0").decode("utf-8", "replace")
-        elif marker == _APP13 and payload.startswith(photoshop.HEAD):
-            resources += payload[len(photoshop.HEAD) :]
-        elif payload.startswith(_XMP):
-            packet = packet or payload[len(_XMP) :]
-        elif not payload.startswith(_ICC):
-            others.add(f"segments of the kind APP{marker - _APP0}")
+        elif (marker == _COM or _APP1 <= marker <= _APP15) and marker != _APP14:
+            records.append(_segment(marker, payload))
+            _tell(marker, payload, told, others)
     trailer = data[end_of(data) :]
     if trailer:
         others.add("data behind the picture")
+    packet, resources = told.get("xmp", b""), told.get("photoshop", b"")
     metadata = Metadata(
         exif=exif,
         xmp=packet,
         iptc=photoshop.iptc_of(resources),
         photoshop=resources,
-        comment=comment,
+        comment=told.get("comment", b"").rstrip(b"\0").decode("utf-8", "replace"),
         records=(*records, trailer),
         only_here=tuple(sorted(others)),
     )
     alone = alone and not xmp.tells_of_gain_map(packet)
     return (metadata, []) if alone else _alone(metadata, trailer)
+
+
+def _tell(marker: int, payload: bytes, told: dict[str, bytes], others: set[str]) -> None:
+    """Take from a segment what other formats hold too."""
+    if marker == _COM:
+        told.setdefault("comment", payload)
+    elif marker == _APP13 and payload.startswith(photoshop.HEAD):
+        told["photoshop"] = told.get("photoshop", b"") + payload[len(photoshop.HEAD) :]
+    elif payload.startswith(_XMP):
+        told.setdefault("xmp", payload[len(_XMP) :])
+    elif not payload.startswith(_ICC):
+        others.add(f"segments of the kind APP{marker - _APP0}")
 
 
 def _alone(metadata: Metadata, trailer: bytes) -> tuple[Metadata, list[str]]:
@@ -138,7 +141,7 @@ def _alone(metadata: Metadata, trailer: bytes) -> tuple[Metadata, list[str]]:
             fresh = b""
             notes.append("XMP, damaged and telling of them, left out")
         new = [_segment(_APP1, _XMP + fresh)] if fresh else []
-        records = [*new, *(each for each in records if each[4:].startswith(_XMP) is False)]
+        records = [*new, *(each for each in records if not each[4:].startswith(_XMP))]
         records.sort(key=lambda each: each[1] != _APP0)
         packet = fresh
     others = tuple(each for each in metadata.only_here if "behind" not in each)

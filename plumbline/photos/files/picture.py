@@ -115,9 +115,8 @@ def _other(data: bytes, path: str | Path) -> Picture:
     image = Image.open(io.BytesIO(data))
     storage = _storage(image, data)
     pixels = _by_cv2(image, data) if _suits_cv2(image, data) else _by_pillow(image, path)
-    if storage.format == "JPEG" and _seems_unfilled(pixels, storage):
-        if not jpeg.filled(data, progressive=storage.progressive):
-            raise ValueError("a part of its pixels is missing")
+    if _seems_unfilled(pixels, storage) and not jpeg.filled(data, storage.progressive):
+        raise ValueError("a part of its pixels is missing")
     metadata, notes = _metadata(image, data, storage.format)
     frames = getattr(image, "n_frames", 1) if image.format != "MPO" else 1
     if frames > 1:
@@ -149,7 +148,9 @@ def _first_of(frames: int) -> str:
 
 
 def _seems_unfilled(pixels: Pixels, storage: Storage) -> bool:
-    """Whether the last row is all one colour, as decoders fill what is missing."""
+    """Whether a JPEG's last row is all one colour, as decoders fill what is missing."""
+    if storage.format != "JPEG":
+        return False
     return storage.progressive or not np.any(pixels[-1] != pixels[-1, 0])
 
 

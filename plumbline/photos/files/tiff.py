@@ -45,7 +45,7 @@ LAYOUT = frozenset(
 """Fields that describe the pixels as stored, and Photoshop's uncorrected layers."""
 
 _DNG_VERSION, _EXTRA_SAMPLES = 50706, 338
-_LONG8_KINDS = {13: "I", 16: "Q", 17: "q", 18: "Q"}
+_LONG8_KINDS = (16, 17, 18)
 _RAW_PHOTOMETRICS = (32803, 34892)
 _COLOURS = {0: 1, 1: 1, 2: 3, 3: 1, 5: 4}
 _UNREADABLE = {
@@ -273,22 +273,25 @@ def _field(file: Any, tag: Any, deep: int) -> ifd.Field | None:
     kind, number = int(tag.dtype), int(tag.count)
     if tag.code in ifd.SUB_DIRECTORIES:
         return ifd.Field(tag.code, ifd.LONG, bytes(4), tuple(_below(file, tag, deep)))
-    if tag.code in LAYOUT and tag.code != LAYERS:
+    if (tag.code in LAYOUT and tag.code != LAYERS) or kind not in {*ifd.SIZES, *_LONG8_KINDS}:
         return None
-    if kind in (16, 17, 18):  # BigTIFF's long integers, which EXIF lacks
-        data = _bytes_at(file, tag.valueoffset, 8 * number)
-        values = struct.unpack(f"{file.byteorder}{number}{_LONG8_KINDS[kind]}", data)
-        if max(values, default=0) >= 2**32 or min(values, default=0) < 0:
-            return None
-        return ifd.Field(tag.code, ifd.LONG, struct.pack(f"{file.byteorder}{number}I", *values))
+    size = ifd.SIZES.get(kind, 8) * number
+    data = _bytes_at(file, tag.valueoffset, size)
+    if len(data) < size:
+        return None
     if kind not in ifd.SIZES:
-        return None
-    data = _bytes_at(file, tag.valueoffset, ifd.SIZES[kind] * number)
-    if len(data) < ifd.SIZES[kind] * number:
-        return None
+        return _short_integers(tag.code, data, file.byteorder)
     if tag.code in (IPTC, PHOTOSHOP, XMP, ICC):
         kind = ifd.UNDEFINED  # bytes, though many programs call IPTC's long integers
     return ifd.Field(tag.code, kind, data)
+
+
+def _short_integers(code: int, data: bytes, order: str) -> ifd.Field | None:
+    """BigTIFF's integers of 8 bytes in the 4 that EXIF has; None where they do not fit."""
+    values = struct.unpack(f"{order}{len(data) // 8}Q", data)
+    if max(values, default=0) >= 2**32:
+        return None
+    return ifd.Field(code, ifd.LONG, struct.pack(f"{order}{len(values)}I", *values))
 
 
 def _below(file: Any, tag: Any, deep: int) -> Iterator[ifd.Field]:

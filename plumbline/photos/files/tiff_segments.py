@@ -8,7 +8,7 @@ is decompressed by libtiff, through Pillow, one segment at a time: so the layout
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -26,6 +26,7 @@ _BY_TIFFFILE = (_NONE, 8, 32946, 32773, 34925)
 _BY_LIBTIFF = (*_FAX, _LZW, _JPEG, _ZSTD)
 _FAX_OPTIONS = (292, 293)
 _JPEG_TABLES = 347
+_MOST_WAITING = 64  # segments read and not yet decoded; chosen to bound the memory
 _BLACK_IS_ZERO, _RGB, _SEPARATED, _YCBCR = 1, 2, 5, 6
 
 
@@ -61,39 +62,47 @@ def decoded_segments(
         decompress = _libtiff(page)
     unpack = _unpacking(page, bits) if packed else None
     result = np.zeros((page.imagelength, page.imagewidth, len(order)), dtype=_type_of(page))
-    planes = int(page.planarconfig) == 2 and int(page.samplesperpixel) > 1
-    file: Any = page.parent.filehandle
-    whole = file.size
 
     def place(index: int, raw: bytes) -> None:
         raw = raw if decompress is None else decompress(raw, index)
-        raw = raw if unpack is None else unpack(raw)
-        data, (plane, _, top, left, _), shape = page.decode(raw, index)
-        if data is None:
-            raise ValueError("a part of the picture is missing")
-        _, rows, columns, _ = shape
-        rows, columns = min(rows, result.shape[0] - top), min(columns, result.shape[1] - left)
-        part = data[0, :rows, :columns]
-        target = result[top : top + rows, left : left + columns]
-        if not planes:
-            target[...] = part[..., list(order)]
-        elif plane in order:
-            target[..., list(order).index(plane)] = part[..., 0]
+        _place(page, result, order, index, raw if unpack is None else unpack(raw))
 
     with ThreadPoolExecutor(2) as pool:  # decompression leaves Python's lock
         waiting: list[Any] = []
-        for index, (start, length) in enumerate(
-            zip(page.dataoffsets, page.databytecounts, strict=True)
-        ):
-            if not length or start + length > whole:
-                raise ValueError("a part of the picture is missing")
-            file.seek(start)
-            waiting.append(pool.submit(place, index, file.read(length)))
-            if len(waiting) > 64:  # chosen to bound what is held in memory
+        for index, raw in enumerate(_segments(page)):
+            waiting.append(pool.submit(place, index, raw))
+            if len(waiting) > _MOST_WAITING:
                 waiting.pop(0).result()
         for each in waiting:
             each.result()
     return result
+
+
+def _segments(page: tifffile.TiffPage) -> Iterator[bytes]:
+    """The bytes of each strip or tile as stored."""
+    file: Any = page.parent.filehandle
+    for start, length in zip(page.dataoffsets, page.databytecounts, strict=True):
+        if not length or start + length > file.size:
+            raise ValueError("a part of the picture is missing")
+        file.seek(start)
+        yield file.read(length)
+
+
+def _place(
+    page: tifffile.TiffPage, result: NDArray[Any], order: Sequence[int], index: int, raw: bytes
+) -> None:
+    """Put a segment where it belongs."""
+    data, (plane, _, top, left, _), shape = page.decode(raw, index)
+    if data is None:
+        raise ValueError("a part of the picture is missing")
+    _, rows, columns, _ = shape
+    rows, columns = min(rows, result.shape[0] - top), min(columns, result.shape[1] - left)
+    part = data[0, :rows, :columns]
+    target = result[top : top + rows, left : left + columns]
+    if int(page.planarconfig) == 1 or int(page.samplesperpixel) == 1:
+        target[...] = part[..., list(order)]
+    elif plane in order:
+        target[..., list(order).index(plane)] = part[..., 0]
 
 
 def _type_of(page: tifffile.TiffPage) -> Any:

@@ -281,7 +281,7 @@ def test_a_half_missing_jpeg_is_refused(
     start = data.index(b"\xff\xda")
     (tmp_path / "b.jpg").write_bytes(data[: start + int(share * (len(data) - start))] + b"\xff\xd9")
     with pytest.raises(
-        plumbline.PlumblineError, match="a part of its pixels is missing|its end is missing"
+        plumbline.PlumblineError, match=r"a part of its pixels is missing|its end is missing"
     ):
         plumbline.correct(tmp_path / "b.jpg", BARREL)
     assert not (tmp_path / "b_corrected.jpg").exists()
