@@ -57,7 +57,7 @@ def lens_names(paths: Sequence[str | Path]) -> dict[Path, str]:
     wanted = [name for name in plain if "\n" not in name and "\r" not in name]
     if program is None or not wanted:
         return {}
-    arguments = ["-j", "-q", "-q", "-fast2", "-charset", "filename=utf8"]
+    arguments = ["-j", "-q", "-q", "-fast", "-charset", "filename=utf8"]
     arguments += [f"-{tag}" for tag in _TAGS]
     try:
         done = subprocess.run(  # noqa: S603 - found on the path, its arguments by standard input

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 _SIZES = {1: 1, 2: 1, 3: 2, 4: 4, 5: 8, 6: 1, 7: 1, 8: 2, 9: 4, 10: 8, 11: 4, 12: 8, 13: 4}
 _MOST_ENTRIES = 1000
@@ -111,7 +111,8 @@ def _told(lens: str, what: str, switch: bool | None) -> MakerNotes:
 
 
 def _canon(at: _Place) -> MakerNotes:
-    """0x0095 is the lens; 0x4016's entry 7 and 0x4015's entry 3 switch the correction."""
+    """0x0095 is the lens; 0x4016's entry 7 and 0x4015's entry 3 switch the correction; 0x0001's
+    entries 23 to 25 are the lens's longest and shortest focal length, and their unit."""
     found, order = _directory(at.whole, at.start, at.order), at.order
     setting, applied = found.values.get(0x4016, b""), found.values.get(0x4015, b"")
     switch: bool | None = None
@@ -119,7 +120,12 @@ def _canon(at: _Place) -> MakerNotes:
         switch = struct.unpack_from(order + "i", setting, 28)[0] != 0
     if applied[:1] == b"\0" and applied[:4] != bytes(4) and len(applied) >= 8:
         switch = switch or struct.unpack_from(order + "h", applied, 6)[0] != 0
-    return _told(found.text(0x0095), "Canon: distortion correction", switch)
+    told = _told(found.text(0x0095), "Canon: distortion correction", switch)
+    settings = found.values.get(0x0001, b"")
+    if len(settings) < 52:
+        return told
+    high, low, unit = struct.unpack_from(order + "3H", settings, 46)
+    return replace(told, range_mm=(low / unit, high / unit) if 0 < unit <= low <= high else None)
 
 
 def _nikon(at: _Place) -> MakerNotes:
@@ -136,7 +142,7 @@ def _nikon(at: _Place) -> MakerNotes:
         low, per_low, high, per_high = struct.unpack_from(order + "4I", lens)
         if low and high and per_low and per_high:
             range_mm = (low / per_low, high / per_high)
-    return MakerNotes("", range_mm, told.corrected, told.uncorrected)
+    return replace(told, range_mm=range_mm)
 
 
 def _sony(at: _Place) -> MakerNotes:

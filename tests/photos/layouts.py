@@ -74,15 +74,15 @@ def focal(mm: float, order: str = "<", equivalent: int | None = None) -> list[En
     return entries
 
 
-def canon(lens: str, *, setting: int | None = None, applied: int | None = None, number: int = 0):
+def canon(lens: str, *, setting: int | None = None, applied: int | None = None, lens_number: tuple[int, int, int] | None = None):
     """Offsets count from the EXIF block; nothing stands before the directory."""
 
     def notes(place: int, order: str) -> bytes:
         entries: list[Entry] = [(0x0095, 2, text(lens))] if lens else []
-        if number:  # CameraSettings' entry 22
-            entries.append(
-                (0x0001, 3, struct.pack(f"{order}46H", 92, *([0] * 21), number, *([0] * 23)))
-            )
+        if lens_number:
+            number, low, high = lens_number
+            values = [92, *([0] * 21), number, high, low, 1, *([0] * 20)]
+            entries.append((0x0001, 3, struct.pack(f"{order}46H", *values)))
         if setting is not None:
             entries.append((0x4016, 4, struct.pack(f"{order}10i", 40, *([0] * 6), setting, 0, 0)))
         if applied is not None:
