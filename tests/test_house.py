@@ -22,7 +22,8 @@ FLOORS = (
     "formats trust",
     "reading result",
     "fit lenses",
-    "writing imaging",
+    "ground",
+    "writing imaging boards pairs",
     "report",
     "cli",
 )

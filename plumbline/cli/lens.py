@@ -9,15 +9,14 @@ import click
 
 from plumbline.cli import lens_options, options
 
-_HELP = """Show which lens would be used for a photo, or keep a calibration for later.
+_HELP = """Show which lens a photo would be corrected with, or store a calibration.
 
-PHOTO: what `correct` would use, and the lenses of the database that match; a folder stands for
-its photos. A calibration comes from what --lens names; without it from your own calibrations,
-then from LensFun's database, by the photo's EXIF.
+For each PHOTO, print the lens that `correct` would use, and the lenses in the database that match;
+a folder stands for the photos in it. The lens is the one that --lens names; without it, EXIF is
+looked up in your own calibrations, then in LensFun's database.
 
-`lens add RESULT` keeps a result or zoom JSON among your own calibrations, where the camera, the
-lens and the focal length of a photo find it. `lens list` shows them, `lens remove NAME` deletes
-one.
+`lens add RESULT` stores a result or zoom JSON among your own calibrations, where photos of the same
+camera, lens and focal length find it. `lens list` prints them, `lens remove NAME` deletes one.
 
 \b
 Examples:
@@ -30,11 +29,7 @@ Examples:
 _VERBS = ("add", "list", "remove")
 
 
-@click.command(
-    "lens",
-    help=_HELP,
-    short_help="Show which lens would be used for a photo, or keep a calibration for later.",
-)
+@click.command("lens", help=_HELP)
 @click.argument(
     "photos", nargs=-1, required=True, metavar="PHOTO… | add RESULT… | list | remove NAME…"
 )

@@ -9,7 +9,6 @@ import numpy as np
 
 from plumbline.frame import Array
 from plumbline.geometry.lens import Lens
-from plumbline.geometry.mapping import map_points
 from plumbline.models.inverse import REACH
 
 Kind = Literal["none", "barrel", "pincushion", "wavy"]
@@ -65,9 +64,7 @@ def radial_curve(lens: Lens) -> tuple[Array, Array]:
     c = lens.vector * np.array(radial)
     corner = lens.frame.corner_radius * lens.frame.radius_px / unit_px
     observed = corner * np.arange(1, _SAMPLES + 1) / _SAMPLES
-    at_centre = float(model.factor(np.float64(0.0), c))
     points = np.stack((observed, np.zeros_like(observed)), axis=-1)
-    ideal = map_points(model, tuple(c.tolist()), points, REACH * corner, "observed to ideal")[:, 0]
-    ideal = ideal / at_centre if model.direction == "observed to ideal" else ideal * at_centre
+    ideal = model.undistort(points, c, REACH * corner)[:, 0] * model.central_scale(c)
     seen = np.isfinite(ideal)
     return observed[seen] * unit_px, ideal[seen] * unit_px

@@ -12,10 +12,8 @@ from numpy.typing import ArrayLike
 
 from plumbline.errors import FoldedError, OptionError
 from plumbline.frame import Array, Frame
-from plumbline.geometry.mapping import map_points
 from plumbline.models import CENTRE, Model
-from plumbline.models.base import Direction
-from plumbline.models.inverse import REACH, first_fold
+from plumbline.models.inverse import REACH
 
 
 @dataclass(frozen=True)
@@ -96,7 +94,8 @@ class Lens:
     def undistort_or_nan(self, points_px: ArrayLike) -> Array:
         """As `undistort`, but points beyond the fold become NaN."""
         points = self.frame.normalise(points_px, self.unit_px) - self._offset
-        return self.frame.to_pixels(self._map(points, "observed to ideal"), self.unit_px)
+        ideal = self.model.undistort(points, self.vector, self._reach)
+        return self.frame.to_pixels(ideal, self.unit_px)
 
     def distort(self, points_px: ArrayLike) -> Array:
         """Map ideal points to observed ones.
@@ -111,7 +110,7 @@ class Lens:
             FoldedError: the polynomial folds before it reaches a point.
         """
         points = self.frame.normalise(points_px, self.unit_px)
-        observed = self._map(points, "ideal to observed")
+        observed = self.model.distort(points, self.vector, self._reach)
         observed_px = self.frame.to_pixels(observed + self._offset, self.unit_px)
         self._refuse_folded(observed_px, points_px)
         return observed_px
@@ -122,11 +121,9 @@ class Lens:
         Folding means that two different ideal (or observed) points share one place: the
         derivative of the radial polynomial vanishes there.
         """
-        fold = first_fold(self.model, self.vector, self._reach)
+        fold = self.model.observed_fold(self.vector, self._reach)
         if fold is None:
             return None
-        if self.model.direction == "ideal to observed":
-            fold *= float(self.model.factor(np.float64(fold), self.vector))
         corners = self.frame.normalise(self.frame.corners_px(), self.unit_px) - self._offset
         inside = fold < np.max(np.hypot(corners[:, 0], corners[:, 1]))
         return fold * self.unit_px if inside else None
@@ -139,9 +136,6 @@ class Lens:
     @property
     def _reach(self) -> float:
         return REACH * self.frame.corner_radius * self.frame.radius_px / self.unit_px
-
-    def _map(self, points: Array, way: Direction) -> Array:
-        return map_points(self.model, tuple(self.vector.tolist()), points, self._reach, way)
 
     def _refuse_folded(self, mapped: Array, points: ArrayLike) -> None:
         given = np.isnan(np.asarray(points, dtype=np.float64)).any(axis=-1)

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from plumbline.errors import FoldedError
 from plumbline.frame import Array, Frame
-from plumbline.geometry.mapping import map_points
 from plumbline.models import Model
-from plumbline.models.base import Direction
 from plumbline.models.inverse import REACH
 
 _LOOKED_AT = 33  # points along a side
@@ -61,7 +61,7 @@ class PhotoLens:
         Raises:
             FoldedError: the polynomial folds before it reaches a point.
         """
-        return self._map(ideal_px, self.ideal_centre, self.observed_centre, "ideal to observed")
+        return self._map(ideal_px, self.ideal_centre, self.observed_centre, self.model.distort)
 
     def undistort(self, observed_px: ArrayLike) -> Array:
         """Map observed points to ideal ones; pixels, shape (..., 2).
@@ -69,7 +69,7 @@ class PhotoLens:
         Raises:
             FoldedError: the polynomial folds before it reaches a point.
         """
-        return self._map(observed_px, self.observed_centre, self.ideal_centre, "observed to ideal")
+        return self._map(observed_px, self.observed_centre, self.ideal_centre, self.model.undistort)
 
     def largest_difference_px(self, other: PhotoLens) -> float:
         """How far two lenses differ over the photograph, but for a shift of the corrected one.
@@ -89,27 +89,27 @@ class PhotoLens:
         points_px: ArrayLike,
         from_centre: tuple[float, float],
         to_centre: tuple[float, float],
-        way: Direction,
+        mapping: Callable[[Array, Any, float], Array],
     ) -> Array:
         turn = np.array(self.turn, dtype=np.float64)
         points = self.frame.normalise(points_px, self.unit_px)
         if self.turn != UPRIGHT:
             points = points @ turn
-        mapped = self._other_side(points - np.array(from_centre), way)
+        points = points - np.array(from_centre)
+        corner = self.frame.corner_radius * self.frame.radius_px / self.unit_px
+        mapped = mapping(points, np.array(self.coefficients), REACH * corner)
+        self._refuse_folded(mapped, points)
         mapped += np.array(to_centre)
         if self.turn != UPRIGHT:
             mapped = mapped @ turn.T
         return self.frame.to_pixels(mapped, self.unit_px)
 
-    def _other_side(self, points: Array, way: Direction) -> Array:
-        corner = self.frame.corner_radius * self.frame.radius_px / self.unit_px
-        mapped = map_points(self.model, self.coefficients, points, REACH * corner, way)
-        unknown = np.isnan(points).any(axis=-1)
-        lost = int(np.count_nonzero(np.isnan(mapped).any(axis=-1) & ~unknown))
+    def _refuse_folded(self, mapped: Array, points: Array) -> None:
+        known = ~np.isnan(points).any(axis=-1)
+        lost = int(np.count_nonzero(np.isnan(mapped).any(axis=-1) & known))
         if lost:
             raise FoldedError(
                 f"the {self.model.label} polynomial of this lens folds before it reaches "
                 f"{lost:,} of the points",
                 hint="the lens values do not belong to this photo; take those of another lens",
             )
-        return mapped

@@ -111,8 +111,10 @@ def _told(lens: str, what: str, switch: bool | None) -> MakerNotes:
 
 
 def _canon(at: _Place) -> MakerNotes:
-    """0x0095 is the lens; 0x4016's entry 7 and 0x4015's entry 3 switch the correction; 0x0001's
-    entries 23 to 25 are the lens's longest and shortest focal length, and their unit."""
+    """0x0095 is the lens; 0x4016's entry 7 and 0x4015's entry 3 switch the correction.
+
+    0x0001's entries 23 to 25 are the lens's longest and shortest focal length, and their unit.
+    """
     found, order = _directory(at.whole, at.start, at.order), at.order
     setting, applied = found.values.get(0x4016, b""), found.values.get(0x4015, b"")
     switch: bool | None = None

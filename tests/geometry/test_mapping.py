@@ -12,7 +12,6 @@ import plumbline
 from plumbline.errors import FoldedError
 from plumbline.frame import Frame
 from plumbline.geometry.lens import Lens
-from plumbline.geometry.mapping import map_points
 from plumbline.lenses.mapping import PhotoLens
 from plumbline.models import get_model
 from plumbline.models.base import Direction
@@ -43,7 +42,8 @@ def test_beyond_the_fold_nothing_is_mapped(name: str, beyond: float, way: Direct
     factor = float(model.factor(np.float64(fold), vector))
     last = fold if way == model.direction else fold * factor
     points = np.array([[0.98 * last, 0.0], [0.0, beyond * last], [np.nan, 0.0]])
-    mapped = map_points(model, vector, points, 1.0, way)
+    mapping = model.distort if way == "ideal to observed" else model.undistort
+    mapped = mapping(points, np.array(vector), 1.0)
     assert np.isfinite(mapped[0]).all()
     assert np.isnan(mapped[1:]).any(axis=-1).all()
     lens = Lens(model, FRAME, every)
@@ -59,9 +59,8 @@ def test_beyond_the_fold_nothing_is_mapped(name: str, beyond: float, way: Direct
 def test_no_second_function_maps_points() -> None:
     """A model is run, or inverted, in one module of the library beside the fit's programs."""
     allowed = {
-        "models": {"apply", "invert"},  # the equation itself
+        "models": {"apply", "invert"},  # the equation itself, and its mapping both ways
         "fit/program": {"apply"},  # compiled, with the excess beyond the fold as a penalty
-        "geometry/mapping.py": {"apply", "invert"},
         "geometry/derivatives.py": {"apply"},  # by coefficients, at points mapped already
         "writing/refit.py": {"apply"},  # the unknown model of a least-squares problem
         "lenses/zoom/needs.py": {"apply"},  # one polynomial against another, no picture

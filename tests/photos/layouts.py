@@ -74,7 +74,13 @@ def focal(mm: float, order: str = "<", equivalent: int | None = None) -> list[En
     return entries
 
 
-def canon(lens: str, *, setting: int | None = None, applied: int | None = None, lens_number: tuple[int, int, int] | None = None):
+def canon(
+    lens: str,
+    *,
+    setting: int | None = None,
+    applied: int | None = None,
+    lens_number: tuple[int, int, int] | None = None,
+):
     """Offsets count from the EXIF block; nothing stands before the directory."""
 
     def notes(place: int, order: str) -> bytes:

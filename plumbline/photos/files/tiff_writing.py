@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import io
 import struct
+from collections.abc import Iterable
 from typing import Any
 
 import cv2
@@ -69,8 +70,18 @@ def with_metadata(data: bytes, metadata: Metadata, note: str, *, alpha: bool = F
         across, down = (struct.pack("<II", round(value * 1000), 1000) for value in metadata.dpi)
         fields += [Field(_X_DPI, ifd.RATIONAL, across), Field(_Y_DPI, ifd.RATIONAL, down)]
         fields.append(Field(_UNIT, ifd.SHORT, struct.pack("<H", _INCH)))
+    return _with_directory(data, [*layout, *fields])
+
+
+def with_fields(data: bytes, fields: Iterable[Field]) -> bytes:
+    """A little-endian TIFF file with fields added to its first directory."""
+    held, _ = ifd.read_directory(data, ifd.first_directory(data))
+    return _with_directory(data, [*held, *fields])
+
+
+def _with_directory(data: bytes, fields: Iterable[Field]) -> bytes:
     data = ifd.even(data)
-    directory = ifd.directory_bytes([*layout, *fields], len(data), "<")
+    directory = ifd.directory_bytes(fields, len(data), "<")
     return data[:4] + struct.pack("<I", len(data)) + data[8:] + directory
 
 
