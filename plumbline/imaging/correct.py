@@ -67,7 +67,7 @@ def correct(
         lens: A calibration, a lens, a file that holds one, or what is known of it; by default
             it is looked up by the photo's EXIF.
         output: Where to; beside the photo, with `_corrected` after its name, by default.
-        overwrite: Replace a file that plumbline did not make.
+        overwrite: Replace a file that plumbline did not write.
         **settings: The fields of `Settings`: interpolation, scale, border, quality, inverse,
             difference.
 
@@ -102,7 +102,7 @@ def correct_array(pixels: Pixels, lens: Lens | Calibration | Correction, **setti
         The corrected pixels; with border "transparent" they have an alpha channel.
 
     Raises:
-        OptionError: the array is no picture, or a setting is unknown.
+        OptionError: the array does not hold a picture, or a setting is unknown.
     """
     if (
         pixels.ndim < 2
@@ -111,12 +111,12 @@ def correct_array(pixels: Pixels, lens: Lens | Calibration | Correction, **setti
         or not pixels.size
     ):
         raise OptionError(
-            f"an array of shape {pixels.shape} and type {pixels.dtype} is no picture",
+            f"an array of shape {pixels.shape} and type {pixels.dtype} does not hold a picture",
             hint="give rows, columns and at most 4 channels as uint8 or uint16",
         )
     if pixels.ndim == 3 and pixels.shape[2] == 1:
-        made = correct_array(pixels[..., 0], lens, **settings)
-        return made if made.ndim == 3 else made[..., None]
+        grey = correct_array(pixels[..., 0], lens, **settings)
+        return grey if grey.ndim == 3 else grey[..., None]
     facts = PhotoFacts((pixels.shape[1], pixels.shape[0]), LensFacts())
     how = Settings(**settings)
     return _corrected(pixels, _sampling(correction_for(facts, lens), how), how)
@@ -130,7 +130,7 @@ def correction_for(photo: PhotoFacts, lens: LensSource) -> Correction:
     """
     if isinstance(lens, Correction):
         if lens.size != photo.size:
-            raise OptionError("the correction was made for a photo of another size")
+            raise OptionError("the correction is for a photo of another size")
         return lens
     from plumbline.lenses import lookup, profile
 
@@ -155,7 +155,7 @@ def correct_file(
         target: The file to write.
         lens: The lens.
         settings: How to correct.
-        overwrite: Replace a file that plumbline did not make.
+        overwrite: Replace a file that plumbline did not write.
         threads: Number of threads; one a core by default.
         lens_name: Name of the lens by exiftool, empty if it knows none; asked if None.
     """
@@ -218,7 +218,7 @@ def _corrected(
     threads: int | None = None,
 ) -> Pixels:
     if sampling.size != pixels.shape[1::-1]:
-        raise OptionError("the correction was made for a photo of another size")
+        raise OptionError("the correction is for a photo of another size")
     if settings.border == "transparent":
         if inks:
             raise OptionError(

@@ -11,7 +11,7 @@ from pathlib import Path
 from plumbline.errors import OptionError
 from plumbline.geometry.lens import Lens
 from plumbline.lenses import sources
-from plumbline.lenses.choosing import Candidate, like_note
+from plumbline.lenses.choosing import LensMatch, like_note
 from plumbline.lenses.correction import Correction
 from plumbline.lenses.profile import LensProfile, correction
 from plumbline.lenses.request import LensRequest
@@ -34,7 +34,7 @@ class LookUp:
     """
 
     profile: LensProfile
-    candidates: tuple[Candidate, ...] = ()
+    candidates: tuple[LensMatch, ...] = ()
 
 
 def profile_for(photo: PhotoFacts, lens: LensSource) -> tuple[LensProfile, LensRequest]:

@@ -26,9 +26,17 @@ from plumbline.photos.cameras import same_camera, shows_other_part
 from plumbline.photos.exif import PhotoFacts
 
 _SAME_SHAPE = 0.02
+"""Relative: chosen between pixels cropped by cameras (under 1 %) and the next shape (3:2 to 16:10,
+7 %)."""
+
 _FAR = 0.1
+"""Relative: chosen, focal lengths in EXIF are rounded by up to 5 % and focusing moves them."""
+
 _NEAR = 0.005
+"""Relative: chosen, a difference that moves no point by a visible amount."""
+
 _VISIBLE_PX = 0.1
+"""Chosen: a tenth of what picks are good for."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Files that hold a lens, told apart by their content; each made a profile for a photo."""
+"""Files that hold a lens, told apart by their content; as profiles for a photo."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from plumbline.files import ZOOM, read_bytes
 from plumbline.formats.base import Source
 from plumbline.frame import Frame
 from plumbline.geometry.lens import Lens
-from plumbline.lenses.choosing import Candidate
+from plumbline.lenses.choosing import LensMatch
 from plumbline.lenses.names import agree, numbers_of, same_range
 from plumbline.lenses.profile import LensProfile, clamp_focal
 from plumbline.lenses.request import LensRequest
@@ -25,9 +25,11 @@ from plumbline.photos.exif import PhotoFacts
 from plumbline.wording import listed
 
 _LARGEST = 100.0
+"""Chosen: coefficients of real lenses are below 1, so that a decimal point was lost."""
+
 _DATABASES = "a LensFun XML file or folder, a PTLens profile, a zoom JSON"
 
-Found = tuple[LensProfile, tuple[Candidate, ...]]
+Found = tuple[LensProfile, tuple[LensMatch, ...]]
 
 
 def find_in_file(photo: PhotoFacts, request: LensRequest) -> Found:
@@ -52,7 +54,7 @@ def find_in_file(photo: PhotoFacts, request: LensRequest) -> Found:
         return ptlens.find(ptlens_profile.read_ptlens(source), path, photo, request)
     if request.like is not None:
         raise OptionError(
-            f"--like chooses a camera of a database, and {path} is none",
+            f"--like chooses a camera of a database, and {path} is not one",
             hint="leave out --like, or --lens",
         )
     if head.startswith("{") and f'"{ZOOM}"' in head[:1024]:
@@ -194,13 +196,13 @@ def given_outright(photo: PhotoFacts, request: LensRequest) -> LensProfile:
     """The lens of coefficients typed in.
 
     Raises:
-        OptionError: a name is none of a, b, c, d, e.
+        OptionError: a name is not one of a, b, c, d, e.
     """
     given = dict(request.ptlens or {})
     wrong = sorted(set(given) - {"a", "b", "c", *CENTRE})
     if wrong:
         raise OptionError(
-            f"{', '.join(wrong)} is no coefficient of the ptlens model",
+            f"{', '.join(wrong)} is not a coefficient of the ptlens model",
             hint="give them as --ptlens a=0,b=-0.02,c=0; d and e, the centre, are in pixels of the "
             "photo as it is stored",
         )

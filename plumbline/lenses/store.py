@@ -24,7 +24,7 @@ from plumbline.result.calibration import refuse_unsettled
 from plumbline.result.files import consistent_results
 from plumbline.wording import listed
 
-_MOST_FILES = 10_000
+_MOST_FILES = 10_000  # chosen to end in a folder that holds something else
 
 
 def folder() -> Path:
@@ -54,15 +54,15 @@ def add(path: str, *, overwrite: bool = False) -> Path:
         low, high = lens.range_mm
         name = _name(path, lens.facts, f"{low:g}-{high:g}mm")
     elif f'"{RESULT}"' in head:
-        made = list(consistent_results(source.text(), path))
-        if len(made) != 1:
+        results = list(consistent_results(source.text(), path))
+        if len(results) != 1:
             raise OptionError(
-                f"{path} holds {len(made)} calibrations",
+                f"{path} holds {len(results)} calibrations",
                 hint="fit each lens by itself (--image N), or join them with plumbline zoom",
             )
-        refuse_unsettled(made)
-        facts = made[0].observations.lenses[0]
-        focal_mm = facts.focal_length_mm(made[0].lens.frame)
+        refuse_unsettled(results)
+        facts = results[0].observations.lenses[0]
+        focal_mm = facts.focal_length_mm(results[0].lens.frame)
         if focal_mm is None:
             raise OptionError(
                 f"{path} does not tell its focal length, so that no photo could find it",
@@ -71,7 +71,7 @@ def add(path: str, *, overwrite: bool = False) -> Path:
         name = _name(path, facts, f"{focal_mm:.4g}mm")
     else:
         raise ReadError(
-            "this is no calibration or zoom lens written by plumbline",
+            "this is not a calibration or zoom lens written by plumbline",
             path=path,
             hint="write one with plumbline fit POINTS -o result.json, or plumbline zoom",
         )

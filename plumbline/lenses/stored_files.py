@@ -34,7 +34,7 @@ def stored_lenses(source: Source) -> tuple[StoredLens, ...]:
     head = source.head.lstrip()
     if head.startswith("{") and f'"{RESULT}"' in head[:1024]:
         results = consistent_results(source.text(), source.path)
-        return tuple(of_calibration(made) for made in results)
+        return tuple(of_calibration(each) for each in results)
     if ptgui.recognises(source):
         return _of_images(source, ptgui.read_images(source))
     if pto.recognises(source):

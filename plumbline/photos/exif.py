@@ -93,7 +93,7 @@ class PhotoFacts:
         return (height, width) if self.turned else (width, height)
 
     def taken_as_corrected(self) -> PhotoFacts:
-        """The same photo where it is meant to be corrected: signs of it are no warning."""
+        """The same photo where it is meant to be corrected, so that signs of it do not warn."""
         return replace(
             self, history="", profile_applied=False, in_camera="", not_in_camera="told to be"
         )
@@ -138,8 +138,9 @@ def read_photo(path: str | Path, *, remedy: str = "") -> PhotoFacts:
     name, told_by = _lens_name(tags, packet, told.lens)
     facts, notes = _facts(tags, name)
     history = [*(_text(tags, t) for t in (_SOFTWARE, _PROCESSING, _HISTORY)), header.remark]
+    width, height = header.size
     return PhotoFacts(
-        header.size[::-1] if turned else header.size,
+        (height, width) if turned else (width, height),
         facts,
         turned,
         name=Path(path).name,

@@ -401,3 +401,34 @@ def test_points_beyond_the_fold_are_refused_either_way(tmp_path: Path, inverse: 
     result = plumb(tmp_path, "correct", "--points", "p.csv", *fold, *inverse, status=1)
     assert "folds before it reaches 2 of the points" in result.stderr
     assert sorted(path.name for path in tmp_path.iterdir()) == ["p.csv"]
+
+
+def test_no_line_of_a_decoder_reaches_the_user(tmp_path: Path) -> None:
+    """libjpeg, libpng and libtiff print to the process's standard error by themselves."""
+    photo(tmp_path / "a.jpg")
+    data = (tmp_path / "a.jpg").read_bytes()
+    start = data.index(b"\xff\xda")
+    (tmp_path / "half.jpg").write_bytes(data[: start + (len(data) - start) // 2] + b"\xff\xd9")
+    at = data.index(b"\xff\xd9", start)
+    (tmp_path / "extra.jpg").write_bytes(data[:at] + bytes(50) + data[at:])
+    photo(tmp_path / "a.tif")
+    whole = (tmp_path / "a.tif").read_bytes()
+    (tmp_path / "cut.tif").write_bytes(whole[: len(whole) // 2])
+    for name in ("half.jpg", "cut.tif"):
+        done = plumb(tmp_path, "correct", name, *PTLENS, status=1)
+        assert [line[:7] for line in done.stderr.splitlines() if line[:2] != "  "] == ["Error: "]
+    done = plumb(tmp_path, "correct", "half.jpg", "extra.jpg", *PTLENS, "--jobs", "2", status=1)
+    assert [line[:7] for line in done.stderr.splitlines() if line[:2] != "  "] == ["Error: "]
+
+
+def test_a_folder_tells_what_it_passes_over(tmp_path: Path) -> None:
+    folder = tmp_path / "in"
+    folder.mkdir()
+    photo(folder / "a.jpg")
+    for name in ("a.nef", "b.heic", "c.txt", ".hidden.nef"):
+        (folder / name).write_text("x")
+    done = plumb(tmp_path, "correct", "in", *PTLENS)
+    assert "Passed over 3 other files: " in done.stdout
+    assert "1 .heic" in done.stdout
+    again = plumb(tmp_path, "correct", "in", *PTLENS)
+    assert "Passed over 3 other files: " in again.stdout  # results are not counted

@@ -13,7 +13,7 @@ from PIL import Image
 import plumbline
 from plumbline.errors import OptionError
 from plumbline.imaging.batch import Work, with_lens_names
-from plumbline.imaging.targets import plan
+from plumbline.imaging.targets import photo_targets
 from plumbline.lenses.lookup import look_up
 from plumbline.lenses.request import LensRequest
 from plumbline.photos import exiftool
@@ -174,7 +174,9 @@ def test_one_process_and_its_names_are_used(
         assert "EF 85mm f/1.8 USM" in each.corrected.description
         assert each.corrected.description.endswith("(lens named by exiftool)")
     assert (tmp_path / "calls").read_text() == "x"
-    named = with_lens_names(plan([folder], tmp_path / "o"), Work(LensRequest(lens_name="x")))
+    named = with_lens_names(
+        photo_targets([folder], tmp_path / "o"), Work(LensRequest(lens_name="x"))
+    )
     assert named.lens_names is None
     assert (tmp_path / "calls").read_text() == "x"
 

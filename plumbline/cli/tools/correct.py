@@ -18,7 +18,7 @@ from plumbline.imaging.correct import Corrected, correct_file, correction_for
 from plumbline.imaging.quiet import libraries_silenced
 from plumbline.imaging.resample import cores
 from plumbline.imaging.settings import Settings
-from plumbline.imaging.targets import SUFFIX, Task, passed_over, plan, refuse_suffix
+from plumbline.imaging.targets import SUFFIX, PhotoTarget, passed_over, photo_targets, refuse_suffix
 from plumbline.lenses.request import LensRequest
 from plumbline.wording import count, listed
 
@@ -35,7 +35,7 @@ def _pictures(sources: Sequence[str], request: LensRequest, how: Mapping[str, An
     if how["scheduler"] and request.source:  # workers have a working folder of their own
         request = replace(request, source=str(Path(request.source).absolute()))
     settings = Settings(**{name: how[name] for name in _SETTINGS})
-    tasks = plan(sources, how["output"], how["suffix"], difference=settings.difference)
+    tasks = photo_targets(sources, how["output"], how["suffix"], difference=settings.difference)
     single = len(sources) == len(tasks) == 1 and not Path(sources[0]).is_dir()
     here = single and not how["scheduler"]
     if here and not (how["skip_existing"] and tasks[0].target.exists()):
@@ -57,7 +57,7 @@ def _pictures(sources: Sequence[str], request: LensRequest, how: Mapping[str, An
         sys.exit(1)
 
 
-def _make_folder(task: Task, output: str | None) -> None:
+def _make_folder(task: PhotoTarget, output: str | None) -> None:
     """Make the folder that -o names, but not the one that a file is to lie in."""
     if output is not None and task.target != Path(output):
         try:
@@ -77,7 +77,7 @@ def _tell(done: Corrected, *, quiet: bool) -> None:
         click.echo(f"Wrote {printable(str(path))}, used: {printable(done.description)}")
 
 
-def _many(tasks: Sequence[Task], work: Work, how: Mapping[str, Any]) -> list[Outcome]:
+def _many(tasks: Sequence[PhotoTarget], work: Work, how: Mapping[str, Any]) -> list[Outcome]:
     """Correct a batch under a progress bar; the photographs that failed."""
     outcomes: list[Outcome] = []
     with _workers(tasks, work, how) as results:
@@ -109,14 +109,16 @@ def _tell_failure(outcome: Outcome) -> None:
 
 @contextmanager
 def _workers(
-    tasks: Sequence[Task], work: Work, how: Mapping[str, Any]
+    tasks: Sequence[PhotoTarget], work: Work, how: Mapping[str, Any]
 ) -> Generator[Iterable[Outcome]]:
     """The outcomes, from a cluster, from processes, or from this process."""
     if how["scheduler"]:
         from plumbline.imaging.workers import dask_client
 
         with dask_client(how["scheduler"]) as client:
-            absolute = [Task(task.photo.absolute(), task.target.absolute()) for task in tasks]
+            absolute = [
+                PhotoTarget(task.photo.absolute(), task.target.absolute()) for task in tasks
+            ]
             pool = client.get_executor(pure=False)
             yield run(absolute, replace(work, threads=1), pool)
         return

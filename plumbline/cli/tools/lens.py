@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from plumbline.errors import PlumblineError, printable
-from plumbline.imaging.targets import passed_over, plan
+from plumbline.imaging.targets import passed_over, photo_targets
 from plumbline.lenses import store
 from plumbline.lenses.lookup import look_up
 from plumbline.lenses.profile import correction
@@ -29,7 +29,9 @@ def show(sources: Sequence[str], request: LensRequest) -> int:
     for source in sources:
         try:
             folder = Path(source).is_dir()
-            paths += [task.photo for task in plan([source], None)] if folder else [Path(source)]
+            paths += (
+                [task.photo for task in photo_targets([source], None)] if folder else [Path(source)]
+            )
         except PlumblineError as error:
             failed += _tell(error, len(sources))
     photos: dict[Path, PhotoFacts] = {}

@@ -8,6 +8,7 @@ from plumbline.imaging.maps.view import Scale, view_of
 from plumbline.lenses.correction import Correction
 
 _LEAST_SHOWN = 0.05
+"""Share of the picture: chosen, below it a decimal point is more likely wrong than the lens."""
 
 
 def sampling_of(

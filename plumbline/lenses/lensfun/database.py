@@ -106,7 +106,7 @@ def database_of(path: str) -> Database:
     files = _xml_files(place) if place.is_dir() else [path]
     if not files:
         raise ReadError(
-            "there is no LensFun XML file in this folder", path=path, hint="name another folder"
+            "this folder holds no LensFun XML files", path=path, hint="name another folder"
         )
     return _database_at(path, tuple((file, _stamp(file)) for file in files))
 
@@ -148,7 +148,7 @@ def entries_of(path: str) -> Sequence[LensfunEntry]:
 
 
 def find_camera(database: Database, maker: str, model: str) -> Any | None:
-    """The camera of that name, as EXIF spells it or as people do; None if there is none."""
+    """The camera of that name, as EXIF spells it or as people do; None if it is not there."""
     if not model:
         return None
     found = database.library.find_cameras(maker or None, model)
@@ -274,4 +274,4 @@ def _library(files: Sequence[str]) -> Any:
             hint="correct the file; LensFun fails on elements and attributes it does not know",
         ) from None
     except UnicodeError:
-        raise OptionError("a file name of the LensFun database is no text") from None
+        raise OptionError("a file name of the LensFun database is not text") from None

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from plumbline.errors import OptionError, printable
-from plumbline.lenses.choosing import Candidate, choose, no_camera
+from plumbline.lenses.choosing import LensMatch, choose, no_camera
 from plumbline.lenses.lensfun.camera import camera_notes, lens_is_fixed, sized
 from plumbline.lenses.lensfun.database import (
     Database,
@@ -25,7 +25,7 @@ from plumbline.lenses.request import LensRequest
 from plumbline.lenses.zoom.curves import lensfun_values
 from plumbline.photos.exif import PhotoFacts
 
-Found = tuple[LensProfile, tuple[Candidate, ...]]
+Found = tuple[LensProfile, tuple[LensMatch, ...]]
 
 _VARIANTS = (", with ", "converter", "adapter", "extender", ", macro")
 """Words of entries that are a lens with something, or at a close distance."""
@@ -186,13 +186,13 @@ def _spoken(name: str | None, lenses: list[Any]) -> str | None:
     return name if any(any(w in lens.model.casefold() for w in words) for lens in lenses) else None
 
 
-def _candidate(lens: Any, name: str | None) -> Candidate:
+def _candidate(lens: Any, name: str | None) -> LensMatch:
     focals = [each.focal for each in lens.calib_distortion]
     span = (float(f"{min(focals):.6g}"), float(f"{max(focals):.6g}")) if focals else None
     variant = any(word in lens.model.casefold() for word in _VARIANTS)
     alike = max((likeness(each, lens.model) for each in (name or "").split(" or ")), default=0.0)
     score = round(_LIKENESS * alike) + int(lens.score) if name else 0
-    return Candidate(str(lens.model), span, variant, score)
+    return LensMatch(str(lens.model), span, variant, score)
 
 
 def _unknown_camera(database: Database, photo: PhotoFacts, request: LensRequest) -> OptionError:
@@ -248,7 +248,7 @@ def _from_entries(path: str, photo: PhotoFacts, request: LensRequest) -> Found:
     words = (request.lens_name or "").casefold().split()
     entries = [e for e in entries_of(path) if all(word in e.model.casefold() for word in words)]
     candidates = tuple(
-        Candidate(
+        LensMatch(
             e.model,
             (e.distortions[0].focal_mm, e.distortions[-1].focal_mm) if e.distortions else None,
         )

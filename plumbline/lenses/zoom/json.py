@@ -32,7 +32,7 @@ FORMAT_VERSION = 1
 
 _AGAIN = "make it again: plumbline zoom RESULT… -o zoom.json"
 _TEXTS = ("maker", "model", "camera", "mount")
-_LARGEST = 1e9
+_LARGEST = 1e9  # chosen: no value of a lens comes near
 _METHODS = ("linear", "hermite", "polynomial")
 
 
@@ -108,12 +108,12 @@ def read_zoom(source: Source) -> StoredZoom:
     """Read what `zoom_text` wrote.
 
     Raises:
-        ReadError: the text is no such JSON.
+        ReadError: the text is not such a JSON.
     """
     try:
         whole = json.loads(source.text(), parse_constant=_not_finite)
         if not isinstance(whole, dict) or whole.get("format") != ZOOM:
-            raise source.error("this is no zoom lens written by plumbline", hint=_AGAIN)
+            raise source.error("this is not a zoom lens written by plumbline", hint=_AGAIN)
         if whole.get("format_version") != FORMAT_VERSION:
             raise source.error("this was written by another version of plumbline", hint=_AGAIN)
         return StoredZoom(_lens(whole), source.path)
@@ -128,7 +128,7 @@ def read_zoom(source: Source) -> StoredZoom:
 
 
 def _not_finite(name: str) -> float:
-    raise ValueError(f"{name} is no finite number")
+    raise ValueError(f"{name} is not a finite number")
 
 
 def _lens(whole: Mapping[str, Any]) -> ZoomLens:

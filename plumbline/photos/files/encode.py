@@ -1,4 +1,4 @@
-"""Picture files made from pixels, with the metadata of the photograph they came from."""
+"""Picture files from pixels, with the metadata of the photograph they came from."""
 
 from __future__ import annotations
 
@@ -35,16 +35,19 @@ _SAMPLINGS = {
     1: cv2.IMWRITE_JPEG_SAMPLING_FACTOR_422,
     2: cv2.IMWRITE_JPEG_SAMPLING_FACTOR_420,
 }
-_THUMBNAIL_QUALITIES = (90, 80, 70, 60, 45, 30)
+_THUMBNAIL_QUALITIES = (90, 80, 70, 60, 45, 30)  # tried until it is no longer than the old one
 _ASPECT_TOLERANCE = 0.03
+"""Chosen: thumbnails of 160 pixels round the shape of a photo by less."""
+
 _PNG_LEVEL = 4
+"""Chosen: higher levels of zlib take twice the time for 1 % on photographs."""
 
 
 def format_of(target: Path) -> str:
     """Pillow's name of the format that a file name asks for.
 
     Raises:
-        OptionError: there is no such format, or it cannot be written.
+        OptionError: the format is unknown, or cannot be written.
     """
     suffix = target.suffix.lower()
     name = FORMATS.get(suffix) or Image.registered_extensions().get(suffix, "")

@@ -63,15 +63,15 @@ def annotated(block: bytes, note: str, refresh: Refresh, most: int | None = None
     if not block:
         return Annotated(new_block(with_software([], note)))
     with_thumbnail, following, _ = _with_thumbnail(block, refresh)
-    made = _with_note(even(with_thumbnail), note, following, (0, 0))
-    if most is None or len(made.block) <= most:
-        return made
+    noted = _with_note(even(with_thumbnail), note, following, (0, 0))
+    if most is None or len(noted.block) <= most:
+        return noted
     bare, _, hole = _with_thumbnail(block, lambda _: None)
     if hole[1] and sum(hole) >= len(bare) - 1:
         bare, hole = bare[: hole[0]], (0, 0)
-    made = _with_note(even(bare), note, 0, hole)
-    if len(made.block) <= most:
-        return made
+    noted = _with_note(even(bare), note, 0, hole)
+    if len(noted.block) <= most:
+        return noted
     return Annotated(with_thumbnail if len(with_thumbnail) <= most else bare, noted=False)
 
 

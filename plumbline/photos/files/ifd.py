@@ -1,7 +1,7 @@
 """Directories of tagged fields, the structure that EXIF shares with TIFF.
 
 EXIF blocks are read and written here; TIFF files are read by tifffile, and only the directory
-of a written one is made here, because no library writes EXIF's directories into a TIFF file.
+of a written one is written here, because no library writes EXIF's directories into a TIFF file.
 Reading raises ValueError or struct.error where the structure makes no sense.
 """
 

@@ -10,7 +10,7 @@ from plumbline._version import __version__
 CORRECTED = "corrected by plumbline"
 """Stands in every photograph that plumbline corrected: in EXIF's Software, else in a comment."""
 
-_MOST_OF_A_NOTE = 240
+_MOST_OF_A_NOTE = 240  # characters; chosen, a line or two in a viewer
 _FOLDERS = re.compile(r"\S*[\\/](?=[^\s\\/]+\.[a-zA-Z]\w{1,3}\b)")
 
 

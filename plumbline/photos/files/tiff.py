@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import logging
 import struct
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -78,7 +78,7 @@ class Decoded:
 
 
 @contextmanager
-def opened(source: str | Path | BinaryIO, path: str | Path) -> Iterator[tifffile.TiffPage]:
+def opened(source: str | Path | BinaryIO, path: str | Path) -> Generator[tifffile.TiffPage]:
     """The page of a TIFF file that holds the photograph.
 
     Raises:
@@ -101,8 +101,8 @@ def opened(source: str | Path | BinaryIO, path: str | Path) -> Iterator[tifffile
 
 def pictures(page: tifffile.TiffPage) -> int:
     """How many pictures of full size the page's file holds."""
-    pages = list(page.parent.pages)
-    return sum(not int(each.subfiletype) & 0b101 for each in pages if hasattr(each, "subfiletype"))
+    kinds = [int(getattr(each, "subfiletype", 1)) for each in page.parent.pages]
+    return sum(not kind & 0b101 for kind in kinds)
 
 
 def size_of(page: tifffile.TiffPage) -> tuple[int, int]:

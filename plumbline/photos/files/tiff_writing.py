@@ -1,7 +1,7 @@
 """TIFF files written: pixels by OpenCV or tifffile, then one directory that holds all tags.
 
 OpenCV writes the usual kinds, LZW among them; tifffile those with inks, or grey with alpha.
-Neither writes EXIF, so the directory is made anew behind the pixels, with the few tags that
+Neither writes EXIF, so the directory is written anew behind the pixels, with the few tags that
 say how these are stored.
 """
 

@@ -27,7 +27,7 @@ def without_promises(packet: bytes) -> bytes:
     Raises:
         ValueError: it cannot be read as XML.
     """
-    from lxml import etree
+    from lxml import etree  # pyright: ignore[reportAttributeAccessIssue]
 
     start, end = packet.find(b"<x:xmpmeta"), packet.rfind(b"</x:xmpmeta>")
     if start < 0 or end < 0:
