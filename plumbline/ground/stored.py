@@ -101,7 +101,6 @@ def rectification_json(stored: StoredRectification) -> bytes:
     """The JSON of a rectification with its findings."""
     found = stored.rectification
     camera, lens = found.camera, found.camera.optics.lens
-    assert found.findings is not None
     whole = _Whole(
         RECTIFICATION,
         FORMAT_VERSION,
@@ -169,7 +168,7 @@ def _rectification(whole: _Whole) -> Rectification:
     model = get_model(whole.lens.model)
     if set(whole.lens.coefficients) != set(model.coefficients):
         raise ValueError("the lens has other coefficients than its model")
-    if not (0 < min(whole.size) and max(whole.size) <= _MOST_SIDE and whole.pixel_aspect > 0):
+    if not (min(whole.size) > 0 and max(whole.size) <= _MOST_SIDE and whole.pixel_aspect > 0):
         raise ValueError("the size of the photo is impossible")
     if not whole.points or len(whole.points) > _MOST_POINTS:
         raise ValueError("it has no points, or too many")

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from plumbline.frame import Array
+from plumbline.frame import Array, Indices
 
 SIGMA_PICK_PX = 0.5
 SIGMA_GROUND_M = 0.01
@@ -135,16 +135,16 @@ class Network:
         return max((line.group for line in self.lines), default=-1) + 1
 
     @property
-    def known(self) -> Array:
+    def known(self) -> Indices:
         """Indices of the points whose places were measured."""
-        return np.flatnonzero(np.isfinite(self.places_m).all(axis=1))
+        return np.flatnonzero(np.isfinite(self.places_m).all(axis=1)).astype(np.int64)
 
     @property
     def ground_picks_px(self) -> Array:
         """Every pick on the plane, which all lie below the horizon."""
         return np.concatenate((self.picks_px, *(line.picks_px for line in self.lines)))
 
-    def distances(self) -> tuple[Array, Array]:
+    def distances(self) -> tuple[Indices, Array]:
         """All known distances between points: pairs of indices (m, 2), metres (m,)."""
         known = self.known
         first, second = np.triu_indices(len(known), 1)

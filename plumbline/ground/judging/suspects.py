@@ -13,9 +13,9 @@ from itertools import combinations
 import numpy as np
 
 from plumbline.errors import OptionError, PlumblineError
-from plumbline.ground.adjustment import Adjustment, adjust
+from plumbline.ground.adjusting.adjustment import Adjustment, adjust
+from plumbline.ground.adjusting.network import Network
 from plumbline.ground.findings import Doubtful
-from plumbline.ground.network import Network
 from plumbline.ground.optics import Optics
 
 _UNITS = {
@@ -40,7 +40,7 @@ def find_suspects(found: Adjustment) -> list[Doubtful]:
     """The observations without which the rest would agree; none where it does already.
 
     Raises:
-        OptionError: two points are exchanged.
+        OptionError: two points are exchanged, or one lies beyond the horizon.
     """
     if not found.contradictory:
         return []
@@ -105,11 +105,24 @@ def _points(found: Adjustment, optics: Optics) -> Iterator[Doubtful]:
         places = network.places_m.copy()
         places[index] = np.nan
         other = _tried(replace(network, places_m=places), optics)
-        if other is None or other.contradictory:
+        if other is None:
+            continue
+        _refuse_beyond_horizon(other, index)
+        if other.contradictory:
             continue
         away = float(np.hypot(*(network.places_m[index] - other.state.places[index, :2])))
         off = f"{away:.2f} m from where the others put it"
         yield Doubtful(f"point {network.names[index]}", off)
+
+
+def _refuse_beyond_horizon(other: Adjustment, index: int) -> None:
+    """Refuse a point whose pick lies where the camera that the others tell sees no ground."""
+    pick = other.network.picks_px[index : index + 1]
+    if not other.contradictory and not np.isfinite(other.state.camera.ground(pick)).all():
+        raise OptionError(
+            f"{other.network.names[index]} lies on or beyond the horizon that the others tell",
+            hint="correct its pick, or leave it out",
+        )
 
 
 def _tried(network: Network, optics: Optics) -> Adjustment | None:
