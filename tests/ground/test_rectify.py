@@ -154,9 +154,7 @@ def test_a_saved_rectification_reads_back(tmp_path: Path) -> None:
         ('"size": [', '"size": [0,', "damaged"),
     ],
 )
-def test_a_changed_rectification_is_refused(
-    tmp_path: Path, old: str, new: str, match: str
-) -> None:
+def test_a_changed_rectification_is_refused(tmp_path: Path, old: str, new: str, match: str) -> None:
     data = rectification_json(StoredRectification(rectified(tmp_path), "road.jpg", "0" * 64))
     path = tmp_path / "road.json"
     assert old.encode() in data

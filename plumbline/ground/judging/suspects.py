@@ -102,27 +102,18 @@ def _points(found: Adjustment, optics: Optics) -> Iterator[Doubtful]:
     for index in _worst(found, "points", "picks"):
         if index not in network.known:
             continue
-        places = network.places_m.copy()
-        places[index] = np.nan
-        other = _tried(replace(network, places_m=places), optics)
-        if other is None:
+        other = _tried(network.without(index), optics)
+        if other is None or other.contradictory:
             continue
-        _refuse_beyond_horizon(other, index)
-        if other.contradictory:
-            continue
-        away = float(np.hypot(*(network.places_m[index] - other.state.places[index, :2])))
-        off = f"{away:.2f} m from where the others put it"
-        yield Doubtful(f"point {network.names[index]}", off)
-
-
-def _refuse_beyond_horizon(other: Adjustment, index: int) -> None:
-    """Refuse a point whose pick lies where the camera that the others tell sees no ground."""
-    pick = other.network.picks_px[index : index + 1]
-    if not other.contradictory and not np.isfinite(other.state.camera.ground(pick)).all():
-        raise OptionError(
-            f"{other.network.names[index]} lies on or beyond the horizon that the others tell",
-            hint="correct its pick, or leave it out",
-        )
+        place = other.state.camera.ground(network.picks_px[index : index + 1])[0]
+        name = network.names[index]
+        if not np.isfinite(place).all():
+            raise OptionError(
+                f"{name} lies on or beyond the horizon that the others tell",
+                hint="correct its pick, or leave it out",
+            )
+        away = float(np.hypot(*(network.places_m[index] - place)))
+        yield Doubtful(f"point {name}", f"{away:.2f} m from where the others put it")
 
 
 def _tried(network: Network, optics: Optics) -> Adjustment | None:
