@@ -11,10 +11,10 @@ from dataclasses import replace
 import numpy as np
 
 from plumbline.errors import PlumblineError
-from plumbline.ground.adjustment import Adjustment, adjust
+from plumbline.ground.adjusting.adjustment import Adjustment, adjust
+from plumbline.ground.adjusting.network import Focal, Network
 from plumbline.ground.camera import FOCAL, HEIGHT, TURN
 from plumbline.ground.findings import AGREES, DOUBTFUL, ImpliedCamera
-from plumbline.ground.network import Focal, Network
 from plumbline.ground.optics import Optics
 
 _UNTOLD = 0.5

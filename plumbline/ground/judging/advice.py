@@ -13,11 +13,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from plumbline.frame import Array
-from plumbline.ground.adjustment import Adjustment
-from plumbline.ground.camera import Camera
-from plumbline.ground.equations import blocks
-from plumbline.ground.findings import Advice
-from plumbline.ground.network import (
+from plumbline.ground.adjusting.adjustment import Adjustment
+from plumbline.ground.adjusting.equations import blocks
+from plumbline.ground.adjusting.network import (
     SIGMA_GROUND_M,
     SIGMA_TAPE_M,
     Focal,
@@ -25,9 +23,11 @@ from plumbline.ground.network import (
     Network,
     Tape,
 )
+from plumbline.ground.adjusting.state import Layout, State
+from plumbline.ground.camera import Camera
+from plumbline.ground.findings import Advice
 from plumbline.ground.outcome import rectification_of
 from plumbline.ground.rectification import Rectification, gains
-from plumbline.ground.state import Layout, State
 
 _BEYOND = 2.0
 """The target's distance over that of the farthest point; chosen."""

@@ -12,8 +12,8 @@ from itertools import combinations
 import numpy as np
 
 from plumbline.errors import DegenerateLinesError, OptionError
-from plumbline.frame import Array
-from plumbline.ground.network import Network
+from plumbline.frame import Array, Indices
+from plumbline.ground.adjusting.network import Network
 from plumbline.ground.optics import Optics
 from plumbline.wording import joined, listed
 
@@ -101,7 +101,7 @@ def refuse_disorder(network: Network, ideal: Array) -> None:
     )
 
 
-def _turns(points: Array, triples: Array, sigma: float) -> Array:
+def _turns(points: Array, triples: Indices, sigma: float) -> Array:
     """1 or −1 by the way round of each triple; 0 where it is not sure."""
     a, b, c = (points[triples[:, i]] for i in range(3))
     p, q = b - a, c - a
@@ -110,7 +110,9 @@ def _turns(points: Array, triples: Array, sigma: float) -> Array:
     return np.sign(area) * (np.abs(area) > _SURE * sigma * longest)
 
 
-def _exchanged(places: Array, photo: Array, triples: Array, sigma: float) -> list[tuple[int, int]]:
+def _exchanged(
+    places: Array, photo: Array, triples: Indices, sigma: float
+) -> list[tuple[int, int]]:
     """The pairs whose exchange leaves nothing in disorder, if they are few."""
     found: list[tuple[int, int]] = []
     for pair in combinations(range(len(places)), 2):

@@ -19,16 +19,22 @@ import numpy as np
 
 from plumbline.errors import OptionError
 from plumbline.frame import Array
-from plumbline.ground.equations import Block, blocks
-from plumbline.ground.network import Network
+from plumbline.ground.adjusting.block import Block
+from plumbline.ground.adjusting.equations import blocks
+from plumbline.ground.adjusting.network import Network
+from plumbline.ground.adjusting.start import starts
+from plumbline.ground.adjusting.state import Layout, State
+from plumbline.ground.camera import FOCAL, HEIGHT, TURN
 from plumbline.ground.optics import Optics
-from plumbline.ground.start import starts
-from plumbline.ground.state import Layout, State
 
 _MOST_STEPS = 200
 _FIRST_DAMPING, _LEAST_DAMPING, _MOST_DAMPING = 1e-3, 1e-12, 1e12
 _SETTLED = 1e-5
 """Largest step over its standard error at which the adjustment ends: chosen, far below any use."""
+
+_LONGEST = 0.7
+"""Longest step of a turn in radians, and of the logarithms of height and focal length: chosen, a
+factor of two."""
 
 _RANK = 1e-9
 """Singular value, of columns of length 1, below which a direction is not determined: chosen, far
@@ -178,7 +184,7 @@ def settle(network: Network, layout: Layout, start: State, state: State) -> Adju
         lengths = np.sqrt(np.maximum(np.diag(normal), 1e-30))
         scaled = normal / np.outer(lengths, lengths)
         step = -np.linalg.solve(scaled + damping * np.eye(len(scaled)), slope / lengths)
-        moved = state.stepped(step / lengths, layout)
+        moved = state.stepped(_limited(step / lengths), layout)
         with np.errstate(all="ignore"):
             trial = blocks(network, layout, start, moved)
         tried, its_derivative = _joined(trial)
@@ -190,14 +196,18 @@ def settle(network: Network, layout: Layout, start: State, state: State) -> Adju
             if np.max(np.abs(step)) < _SETTLED:
                 converged = True
                 break
-        else:
-            if np.max(np.abs(step)) < _SETTLED:
-                converged = True
-                break
+        else:  # a tiny step that rounding keeps from helping ends it; a damped one proves nothing
+            converged = damping <= _FIRST_DAMPING and bool(np.max(np.abs(step)) < _SETTLED)
             damping *= 10
-            if damping > _MOST_DAMPING:
+            if converged or damping > _MOST_DAMPING:
                 break
     return Adjustment(network, layout, start, state, tuple(now), converged)
+
+
+def _limited(step: Array) -> Array:
+    """A step that turns and scales the camera by no more than its linear equations bear."""
+    scaled = max(abs(step[HEIGHT]), abs(step[FOCAL]), float(np.max(np.abs(step[TURN]))))
+    return step * min(1.0, _LONGEST / scaled) if scaled > 0 else step
 
 
 def chi_square_limit(dof: int, level: float) -> float:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from plumbline.frame import Array
+from plumbline.frame import Array, Indices
 
 SIGMA_PICK_PX = 0.5
 SIGMA_GROUND_M = 0.01
@@ -135,16 +135,40 @@ class Network:
         return max((line.group for line in self.lines), default=-1) + 1
 
     @property
-    def known(self) -> Array:
+    def known(self) -> Indices:
         """Indices of the points whose places were measured."""
-        return np.flatnonzero(np.isfinite(self.places_m).all(axis=1))
+        return np.flatnonzero(np.isfinite(self.places_m).all(axis=1)).astype(np.int64)
 
     @property
     def ground_picks_px(self) -> Array:
         """Every pick on the plane, which all lie below the horizon."""
         return np.concatenate((self.picks_px, *(line.picks_px for line in self.lines)))
 
-    def distances(self) -> tuple[Array, Array]:
+    def without(self, index: int) -> Network:
+        """The same observations without a point, and without what is measured to it."""
+        kept = [at for at in range(self.n_points) if at != index]
+        new = {old: at for at, old in enumerate(kept)}
+        tapes = tuple(
+            replace(t, first=new[t.first], second=new[t.second])
+            for t in self.tapes
+            if index not in (t.first, t.second)
+        )
+        angles = tuple(
+            replace(a, first=new[a.first], corner=new[a.corner], last=new[a.last])
+            for a in self.right_angles
+            if index not in (a.first, a.corner, a.last)
+        )
+        return replace(
+            self,
+            names=tuple(self.names[at] for at in kept),
+            picks_px=self.picks_px[kept],
+            places_m=self.places_m[kept],
+            sigma_places_m=self.sigma_places_m[kept],
+            tapes=tapes,
+            right_angles=angles,
+        )
+
+    def distances(self) -> tuple[Indices, Array]:
         """All known distances between points: pairs of indices (m, 2), metres (m,)."""
         known = self.known
         first, second = np.triu_indices(len(known), 1)

@@ -13,9 +13,9 @@ from itertools import combinations
 import numpy as np
 
 from plumbline.errors import OptionError, PlumblineError
-from plumbline.ground.adjustment import Adjustment, adjust
+from plumbline.ground.adjusting.adjustment import Adjustment, adjust
+from plumbline.ground.adjusting.network import Network
 from plumbline.ground.findings import Doubtful
-from plumbline.ground.network import Network
 from plumbline.ground.optics import Optics
 
 _UNITS = {
@@ -40,7 +40,7 @@ def find_suspects(found: Adjustment) -> list[Doubtful]:
     """The observations without which the rest would agree; none where it does already.
 
     Raises:
-        OptionError: two points are exchanged.
+        OptionError: two points are exchanged, or one lies beyond the horizon.
     """
     if not found.contradictory:
         return []
@@ -102,14 +102,18 @@ def _points(found: Adjustment, optics: Optics) -> Iterator[Doubtful]:
     for index in _worst(found, "points", "picks"):
         if index not in network.known:
             continue
-        places = network.places_m.copy()
-        places[index] = np.nan
-        other = _tried(replace(network, places_m=places), optics)
+        other = _tried(network.without(index), optics)
         if other is None or other.contradictory:
             continue
-        away = float(np.hypot(*(network.places_m[index] - other.state.places[index, :2])))
-        off = f"{away:.2f} m from where the others put it"
-        yield Doubtful(f"point {network.names[index]}", off)
+        place = other.state.camera.ground(network.picks_px[index : index + 1])[0]
+        name = network.names[index]
+        if not np.isfinite(place).all():
+            raise OptionError(
+                f"{name} lies on or beyond the horizon that the others tell",
+                hint="correct its pick, or leave it out",
+            )
+        away = float(np.hypot(*(network.places_m[index] - place)))
+        yield Doubtful(f"point {name}", f"{away:.2f} m from where the others put it")
 
 
 def _tried(network: Network, optics: Optics) -> Adjustment | None:

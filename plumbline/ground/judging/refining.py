@@ -11,9 +11,9 @@ import numpy as np
 
 from plumbline.errors import OptionError
 from plumbline.frame import Array
-from plumbline.ground.adjustment import Adjustment
+from plumbline.ground.adjusting.adjustment import Adjustment
+from plumbline.ground.adjusting.network import SIGMA_CENTRE
 from plumbline.ground.camera import CENTRE
-from plumbline.ground.network import SIGMA_CENTRE
 from plumbline.ground.optics import Optics
 from plumbline.wording import joined
 

@@ -7,9 +7,9 @@ from functools import cached_property
 
 import numpy as np
 
-from plumbline.frame import Array
+from plumbline.frame import Array, Indices
+from plumbline.ground.adjusting.network import Network
 from plumbline.ground.camera import N_STEPS, Camera
-from plumbline.ground.network import Network
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,7 @@ class Layout:
         return slice(start, start + 3)
 
     @property
-    def places(self) -> Array:
+    def places(self) -> Indices:
         """Indices of X and Y of every point, shape (n, 2)."""
         first = self.starts[2] + 3 * np.arange(self.points)
         return np.stack((first, first + 1), axis=1)

@@ -8,9 +8,9 @@ import numpy as np
 
 from plumbline.errors import DegenerateLinesError
 from plumbline.frame import Array
-from plumbline.ground.adjustment import Adjustment
+from plumbline.ground.adjusting.adjustment import Adjustment
+from plumbline.ground.adjusting.network import Network
 from plumbline.ground.camera import FOCAL, HEIGHT
-from plumbline.ground.network import Network
 from plumbline.wording import joined
 
 _HARDLY = 0.5

@@ -3,7 +3,8 @@
 A pick and a camera over the plane give a place on it. Seen from above the plane these places have
 one handedness, so that a network of tapes, which has a mirror image, gets the one of the photo.
 For each camera of the grid the known distances over those of its places should all have one
-ratio, the scale; the spread of their logarithms ranks the cameras.
+ratio, the scale; the spread of their logarithms ranks the cameras, together with how far right
+angles and parallel lines are from being so.
 """
 
 from __future__ import annotations
@@ -15,11 +16,11 @@ from typing import NamedTuple
 import numpy as np
 
 from plumbline.errors import OptionError
-from plumbline.frame import Array
+from plumbline.frame import Array, Indices
+from plumbline.ground.adjusting.network import Network
+from plumbline.ground.adjusting.state import State
 from plumbline.ground.camera import Camera, looking
-from plumbline.ground.network import Network
 from plumbline.ground.optics import Optics
-from plumbline.ground.state import State
 
 _CLEARANCES_DEG = np.geomspace(0.3, 85.0, 18)
 _ROLLS_DEG = np.arange(-24.0, 25.0, 8.0)
@@ -90,9 +91,9 @@ def starts(network: Network, optics: Optics) -> Iterator[State]:
     ground = grid.ground(ideal)
     apart = ground[:, pairs[:, 0]] - ground[:, pairs[:, 1]]
     ratios = np.log(lengths / np.maximum(np.hypot(apart[..., 0], apart[..., 1]), 1e-12))
-    spread = np.std(ratios, axis=1)
+    spread = np.hypot(np.std(ratios, axis=1), _turned_wrongly(network, ground))
     spread[~np.isfinite(ground).all(axis=(1, 2))] = np.inf
-    order = np.argsort(spread, kind="stable")
+    order = np.argsort(spread, kind="stable").astype(np.int64)
     order = order[np.isfinite(spread[order])]
     if not len(order):
         raise OptionError(
@@ -101,6 +102,23 @@ def starts(network: Network, optics: Optics) -> Iterator[State]:
         )
     for index in _apart(order, grid.focals):
         yield _laid(grid.camera(index, optics), network)
+
+
+def _turned_wrongly(network: Network, ground: Array) -> Array:
+    """How far right angles are from right and parallel lines from parallel, radians, (m,)."""
+    wrong = np.zeros(len(ground))
+    for angle in network.right_angles:
+        p, q = (ground[:, end] - ground[:, angle.corner] for end in (angle.first, angle.last))
+        sizes = np.maximum(np.hypot(*p.T) * np.hypot(*q.T), 1e-12)
+        wrong += (np.sum(p * q, axis=1) / sizes) ** 2
+    first, turns = network.n_points, dict[int, Array]()
+    for line in network.lines:
+        last = first + len(line.picks_px)
+        along = ground[:, last - 1] - ground[:, first]
+        turn = np.arctan2(along[:, 1], along[:, 0])
+        wrong += np.sin(turn - turns.setdefault(line.group, turn)) ** 2
+        first = last
+    return np.sqrt(wrong)
 
 
 def _grid(network: Network, optics: Optics, ideal: Array) -> _Grid:
@@ -120,7 +138,7 @@ def _grid(network: Network, optics: Optics, ideal: Array) -> _Grid:
     return _Grid(focals[good], pitches[good], rolls[good])
 
 
-def _apart(order: Array, focals: Array) -> list[int]:
+def _apart(order: Indices, focals: Array) -> list[int]:
     """The best of each focal length, few of them."""
     found: dict[float, int] = {}
     for index in order.tolist():
