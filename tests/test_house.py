@@ -22,7 +22,8 @@ FLOORS = (
     "formats trust",
     "reading result",
     "fit lenses",
-    "writing imaging edges",
+    "ground",
+    "writing imaging boards edges pairs",
     "report",
     "cli",
 )
