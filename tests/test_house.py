@@ -24,6 +24,7 @@ FLOORS = (
     "fit lenses",
     "writing imaging",
     "report",
+    "pick",
     "cli",
 )
 """From the ground up: a room imports from the floors below its own."""

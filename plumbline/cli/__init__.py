@@ -16,6 +16,7 @@ from plumbline._version import __version__
 from plumbline.errors import PlumblineError, printable
 
 VERBS = {
+    "pick": "Pick lines on a page in the browser, with the fit running while you click.",
     "fit": "Find the distortion that makes picked lines straight.",
     "check": "Say whether the picks can tell the distortion, and what to pick next.",
     "compare": "Compare the distortion models on the same picks, and recommend one.",

@@ -110,12 +110,16 @@ class Lens:
         Raises:
             FoldedError: the polynomial folds before it reaches a point.
         """
+        observed_px = self.distort_or_nan(points_px)
+        self._refuse_folded(observed_px, points_px)
+        return observed_px
+
+    def distort_or_nan(self, points_px: ArrayLike) -> Array:
+        """As `distort`, but points beyond the fold become NaN."""
         points = self.frame.normalise(points_px, self.unit_px)
         forward = self.model.direction == "ideal to observed"
         observed = self._apply(points) if forward else self._invert(points)
-        observed_px = self.frame.to_pixels(observed + self._offset, self.unit_px)
-        self._refuse_folded(observed_px, points_px)
-        return observed_px
+        return self.frame.to_pixels(observed + self._offset, self.unit_px)
 
     def fold_radius_px(self) -> float | None:
         """Observed radius in square pixels at which the model folds, if inside the photo.

@@ -1,0 +1,202 @@
+"""What a request of the page does to a document, as pure functions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import msgspec
+import numpy as np
+
+from plumbline.errors import OptionError
+from plumbline.geometry.lens import Lens
+from plumbline.models import CENTRE, get_model
+from plumbline.pick import requests
+from plumbline.pick.document import MOST_LINES, Change, Document, PickedLine, Point, Settings
+
+_FEWEST = 2
+"""Clicks that a traced line keeps at least: an edge runs between two."""
+
+
+@dataclass(frozen=True)
+class Traced:
+    """The edge that clicks mean; or why there is none.
+
+    Attributes:
+        points: Samples along it.
+        errors: Standard error of each across it.
+        rivals: How many other edges the clicks could mean.
+        refusal: Why there is none; else empty.
+    """
+
+    points: tuple[Point, ...] = ()
+    errors: tuple[float, ...] = ()
+    rivals: int = 0
+    refusal: str = ""
+
+
+class Tracer(Protocol):
+    """Traces the edge of a photo that clicks mean."""
+
+    def __call__(
+        self, photo: int, clicks: Sequence[Point], lens: Lens | None, rival: int
+    ) -> Traced:
+        """Trace one edge; `rival` is 0 for the likeliest."""
+        ...
+
+
+@dataclass(frozen=True)
+class Edited:
+    """What came of a request.
+
+    Attributes:
+        document: The document after it.
+        line: The number of the line to look at; None for none.
+        refusal: Why nothing was done, to be shown at the pointer; else empty.
+    """
+
+    document: Document
+    line: int | None = None
+    refusal: str = ""
+
+
+@dataclass(frozen=True)
+class Editor:
+    """Edits documents.
+
+    Attributes:
+        tracer: Traces edges; None where there is none, and all picks are free.
+    """
+
+    tracer: Tracer | None
+
+    def edited(self, document: Document, request: requests.Request, lens: Lens | None) -> Edited:
+        """The document after a request.
+
+        Args:
+            document: The document.
+            request: The request.
+            lens: The lens as far as it is known, which tells how an edge bends.
+
+        Raises:
+            OptionError: it names what is not there, or a point outside the photo.
+        """
+        match request:
+            case requests.Undo():
+                return Edited(document.before_last())
+            case requests.Redo():
+                return Edited(document.after_next())
+            case requests.Set():
+                return Edited(_set(document, request))
+            case requests.Remove(index=None):
+                line = document.line(request.line)
+                return Edited(document.acted(f"delete line {line.name}", [Change(line, None)]))
+            case requests.Draw():
+                return self._drawn(document, request, lens)
+            case requests.Rival() | requests.Snap():
+                return self._retraced(document, request, lens)
+            case requests.Extend() | requests.Move() | requests.Remove():
+                return self._reclicked(document, request, lens)
+
+    def _drawn(self, document: Document, request: requests.Draw, lens: Lens | None) -> Edited:
+        if len(document.lines) >= MOST_LINES:
+            raise OptionError(f"there are {MOST_LINES:,} lines, and more are not kept")
+        number = document.next_number
+        line = PickedLine(number, request.photo, request.clicks, request.clicks)
+        line = msgspec.structs.replace(line, snapped=request.snap and self.tracer is not None)
+        return self._placed(document, "draw a line", None, line, lens)
+
+    def _retraced(
+        self, document: Document, request: requests.Rival | requests.Snap, lens: Lens | None
+    ) -> Edited:
+        """The same clicks, by another edge or as free picks."""
+        line = document.line(request.line)
+        if isinstance(request, requests.Rival):
+            rival = (line.rival + request.step) % (line.rivals + 1)
+            after = msgspec.structs.replace(line, rival=rival)
+            return self._placed(document, "take another edge", line, after, lens)
+        after = msgspec.structs.replace(line, snapped=request.on, rival=0, rivals=0)
+        name = "trace the edge" if request.on else "keep the clicks"
+        return self._placed(document, name, line, after, lens)
+
+    def _reclicked(
+        self,
+        document: Document,
+        request: requests.Extend | requests.Move | requests.Remove,
+        lens: Lens | None,
+    ) -> Edited:
+        """The same line with one click more, moved or less."""
+        line = document.line(request.line)
+        clicks = list(line.clicks)
+        if isinstance(request, requests.Extend):
+            clicks.insert(_place_along(clicks, request.click), request.click)
+            name = f"add a click to line {line.name}"
+        else:
+            if request.index is None or request.index >= len(clicks):
+                raise OptionError(f"line {line.name} has no such click")
+            if isinstance(request, requests.Move):
+                clicks[request.index] = request.to
+                name = f"move a click of line {line.name}"
+            else:
+                del clicks[request.index]
+                name = f"delete a click of line {line.name}"
+        fewest = _FEWEST if line.snapped else 1
+        if len(clicks) < fewest:
+            return Edited(document.acted(f"delete line {line.name}", [Change(line, None)]))
+        after = msgspec.structs.replace(line, clicks=tuple(clicks), rival=0)
+        return self._placed(document, name, line, after, lens)
+
+    def _placed(
+        self,
+        document: Document,
+        name: str,
+        before: PickedLine | None,
+        line: PickedLine,
+        lens: Lens | None,
+    ) -> Edited:
+        """The document with a line at its clicks, its edge traced; or why there is none."""
+        free = msgspec.structs.replace(
+            line, points=line.clicks, errors=(), rivals=0, rival=0, snapped=False
+        )
+        if wrong := document.problem_of(free):
+            raise OptionError(wrong)
+        after = free
+        if line.snapped and self.tracer is not None:
+            traced = self.tracer(line.photo, line.clicks, lens, line.rival)
+            if traced.refusal:
+                seen = before.number if before is not None else None
+                return Edited(document, seen, traced.refusal)
+            after = msgspec.structs.replace(
+                line, points=traced.points, errors=traced.errors, rivals=traced.rivals
+            )
+        return Edited(document.acted(name, [Change(before, after)]), line.number)
+
+
+def _place_along(clicks: Sequence[Point], new: Point) -> int:
+    """Where a click belongs among the others, by its place along the line through them."""
+    if len(clicks) < _FEWEST:
+        return len(clicks)
+    points = np.array([*clicks, new])
+    ends = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2][0]
+    along = points @ ends
+    if along[0] > along[-2]:
+        along = -along
+    return int(np.searchsorted(np.sort(along[:-1]), along[-1]))
+
+
+def _set(document: Document, request: requests.Set) -> Document:
+    """The document with other settings.
+
+    Raises:
+        OptionError: the model or a coefficient is unknown.
+    """
+    model = get_model(request.model)
+    known = (*model.coefficients, *CENTRE)
+    for name in request.free or ():
+        if name not in known:
+            raise OptionError(f"{request.model} has no coefficient {name!r}")
+    if request.free is not None and not request.free:
+        raise OptionError("nothing is free, so there is nothing to fit")
+    settings = Settings(request.model, request.free, request.goal_px)
+    return msgspec.structs.replace(document, settings=settings)
