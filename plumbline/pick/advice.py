@@ -104,5 +104,5 @@ def _goal(made: Calibration, goal_px: float) -> dict[str, Any] | None:
         return None
     share = min(1.0, goal_px / sure.worst_px) if sure.worst_px > 0 else 1.0
     reached = sure.worst_px <= goal_px
-    text = f"{px(sure.worst_px)} of {px(goal_px)}" + (": reached" if reached else "")
+    text = f"{px(sure.worst_px)} now, {px(goal_px)} wanted" + (": reached" if reached else "")
     return {"share": round(share, 3), "reached": reached, "text": text}

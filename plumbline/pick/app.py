@@ -21,7 +21,12 @@ from plumbline.pick.security import TooMuchError
 from plumbline.pick.session import Session
 from plumbline.pick.tiles import tile
 
-_KINDS = {".html": "text/html", ".css": "text/css", ".js": "text/javascript"}
+_KINDS = {
+    ".html": "text/html",
+    ".css": "text/css",
+    ".js": "text/javascript",
+    ".svg": "image/svg+xml",
+}
 _MOST_NAME = 40
 
 _T = TypeVar("_T", bound=msgspec.Struct)
@@ -131,4 +136,3 @@ async def _refused(_: Request, error: Exception) -> Response:
 
 async def _too_much(_: Request, __: Exception) -> Response:
     return _told({"error": "the request is too large"}, 413)
-

@@ -78,6 +78,27 @@ class Action(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     changes: tuple[Change, ...]
 
 
+class Proposal(msgspec.Struct, frozen=True):
+    """A line that was found without a click.
+
+    Attributes:
+        number: Its number among the proposals.
+        photo: Index of its photo.
+        points: Samples along the edge.
+        errors: Standard error of each across it.
+    """
+
+    number: int
+    photo: int
+    points: tuple[Point, ...]
+    errors: tuple[float, ...] = ()
+
+    @property
+    def ends(self) -> tuple[Point, Point]:
+        """Its first and last point, by which it is known again."""
+        return self.points[0], self.points[-1]
+
+
 class PhotoRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """A photo as it was when it was picked in: file name, size, SHA-256 of its bytes."""
 

@@ -13,7 +13,15 @@ from plumbline.errors import OptionError
 from plumbline.geometry.lens import Lens
 from plumbline.models import CENTRE, get_model
 from plumbline.pick import requests
-from plumbline.pick.document import MOST_LINES, Change, Document, PickedLine, Point, Settings
+from plumbline.pick.document import (
+    MOST_LINES,
+    Change,
+    Document,
+    PickedLine,
+    Point,
+    Proposal,
+    Settings,
+)
 
 _FEWEST = 2
 """Clicks that a traced line keeps at least: an edge runs between two."""
@@ -67,9 +75,17 @@ class Editor:
 
     Attributes:
         tracer: Traces edges; None where there is none, and all picks are free.
+        proposals: Lines that were found without a click.
     """
 
     tracer: Tracer | None
+    proposals: tuple[Proposal, ...] = ()
+
+    def proposed(self, document: Document) -> list[Proposal]:
+        """The proposals that the user neither took nor rejected."""
+        known = {(line.points[0], line.points[-1]) for line in document.lines if line.points}
+        known |= set(document.rejected)
+        return [each for each in self.proposals if each.ends not in known]
 
     def edited(self, document: Document, request: requests.Request, lens: Lens | None) -> Edited:
         """The document after a request.
@@ -92,12 +108,40 @@ class Editor:
             case requests.Remove(index=None):
                 line = document.line(request.line)
                 return Edited(document.acted(f"delete line {line.name}", [Change(line, None)]))
+            case requests.Accept():
+                return self._accepted(document, request)
+            case requests.Reject():
+                (each,) = self._asked(document, (request.proposal,))
+                rejected = (*document.rejected, each.ends)
+                return Edited(msgspec.structs.replace(document, rejected=rejected))
             case requests.Draw():
                 return self._drawn(document, request, lens)
             case requests.Rival() | requests.Snap():
                 return self._retraced(document, request, lens)
             case requests.Extend() | requests.Move() | requests.Remove():
                 return self._reclicked(document, request, lens)
+
+    def _asked(self, document: Document, numbers: Sequence[int]) -> list[Proposal]:
+        """Proposals by number, those that are still open.
+
+        Raises:
+            OptionError: there is none of them.
+        """
+        found = [each for each in self.proposed(document) if each.number in set(numbers)]
+        if not found:
+            raise OptionError("this proposal was taken or rejected before")
+        return found
+
+    def _accepted(self, document: Document, request: requests.Accept) -> Edited:
+        changes: list[Change] = []
+        taken = self._asked(document, request.proposals)[: MOST_LINES - len(document.lines)]
+        for number, each in enumerate(taken, document.next_number):
+            line = PickedLine(number, each.photo, each.ends, each.points, each.errors, snapped=True)
+            changes.append(Change(None, line))
+        name = (
+            "take a proposed line" if len(changes) == 1 else f"take {len(changes)} proposed lines"
+        )
+        return Edited(document.acted(name, changes), document.next_number)
 
     def _drawn(self, document: Document, request: requests.Draw, lens: Lens | None) -> Edited:
         if len(document.lines) >= MOST_LINES:

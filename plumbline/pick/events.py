@@ -80,4 +80,3 @@ async def _pump(queue: asyncio.Queue[bytes], send: Send) -> None:
 async def _gone(receive: Receive) -> None:
     while (await receive())["type"] != "http.disconnect":
         pass
-

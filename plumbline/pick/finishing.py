@@ -89,4 +89,3 @@ def _compare(session: Session, observations: Observations) -> Comparison:
         session.hub.publish("progress", f"Comparing models: {done} of {len(ROWS)}")
 
     return compare(observations, advance)
-

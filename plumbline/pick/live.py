@@ -65,14 +65,13 @@ def warm_up(settings: Settings, size: tuple[int, int]) -> None:
     """
     width, height = size
     along = np.linspace(0.05, 0.95, LIVE_SAMPLES) * (width - 1)
-    for before, rows in pairwise((0, *_ROWS)):
+    for before, _ in pairwise((0, *_ROWS)):
         count = before + 1 if before else 3
         bent = [
             np.stack((along, share * (height - 1) + 1e-3 * height * (along / width - 0.5) ** 2), 1)
             for share in np.linspace(0.05, 0.95, count)
         ]
         lines = tuple(Line(points, 0, str(index)) for index, points in enumerate(bent))
-        assert count <= rows
         try:
             _fitted(Observations((Photo(size),), lines), settings)
         except PlumblineError:

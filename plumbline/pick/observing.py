@@ -31,9 +31,7 @@ def observations_of(
     Raises:
         DegenerateLinesError: no line has three distinct points.
     """
-    lines = [
-        Line(_thinned(line, most), line.photo, line.name) for line in fitted_lines(document)
-    ]
+    lines = [Line(_thinned(line, most), line.photo, line.name) for line in fitted_lines(document)]
     photos = [
         Photo(record.size, record.name, number=number)
         for number, record in enumerate(document.photos)

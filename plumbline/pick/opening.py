@@ -92,7 +92,9 @@ def _document(
     for photo in photos[1:]:
         facts = facts.completed(photo.facts.facts)
     if found is None:
-        empty = Document(FORMAT, VERSION, tuple(records), facts=known_of(labelled(facts, labels, frame)))
+        empty = Document(
+            FORMAT, VERSION, tuple(records), facts=known_of(labelled(facts, labels, frame))
+        )
         return empty, []
     known = {record.name: record for record in found.photos}
     for record in records:
@@ -123,4 +125,3 @@ def _taken(document: Document, path: Path, photos: Sequence[LoadedPhoto]) -> Doc
     photo = str(photos[0].path) if len(photos) == 1 else None
     observed = read(path, photo=photo)
     return with_points(document, observed, hashlib.sha256(content).hexdigest(), path.name)
-

@@ -95,9 +95,7 @@ class Set(_Request, frozen=True, tag="set"):
     goal_px: Annotated[float, msgspec.Meta(gt=0, le=1000)]
 
 
-Request = (
-    Draw | Extend | Move | Remove | Rival | Snap | Accept | Reject | Undo | Redo | Set
-)
+Request = Draw | Extend | Move | Remove | Rival | Snap | Accept | Reject | Undo | Redo | Set
 
 
 class Act(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

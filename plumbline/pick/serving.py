@@ -29,7 +29,9 @@ _LONGEST_S = 2
 """Seconds that open streams get when the server stops."""
 
 
-def serve(session: Session, port: int, announce: Callable[[str, bool], None], *, browser: bool) -> None:
+def serve(
+    session: Session, port: int, announce: Callable[[str, bool], None], *, browser: bool
+) -> None:
     """Serve until Ctrl-C.
 
     Args:

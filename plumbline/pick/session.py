@@ -119,6 +119,7 @@ class Session:
                 "redo": document.undone[-1].name if document.undone else "",
                 "fit": told(self.fitted, document),
                 "unsaved": printable(self._unsaved),
+                "proposals": self._editor.proposed(document),
             }
 
     def opening(self) -> dict[str, Any]:
@@ -182,7 +183,9 @@ class Session:
             self.keeper.write(document)
             self._unsaved = ""
         except PlumblineError as error:
-            self._unsaved = f"not saved: {error.message}" + (f"; {error.hint}" if error.hint else "")
+            self._unsaved = f"not saved: {error.message}" + (
+                f"; {error.hint}" if error.hint else ""
+            )
 
     def _load(self, photo: LoadedPhoto) -> None:
         photo.load()
@@ -218,4 +221,3 @@ class Session:
                     self._saver.submit(self._save, self.document).result()
                     unsaved = self._unsaved
                 self.hub.publish("unsaved", printable(unsaved))
-

@@ -51,7 +51,7 @@ def told(fitted: Fitted, document: Document) -> dict[str, Any]:
         else f"± {px(sure.worst_px)} {sure.worst_place}",
         "corner_px": made.finding.corner_px,
         "lines": _lines(made, [line.number for line in fitted_lines(document)]),
-        "curve": curve(made),
+        "radial": radial(made),
     }
 
 
@@ -64,12 +64,14 @@ def _lines(made: Calibration, numbers: list[int]) -> list[dict[str, Any]]:
     sizes = made.observations.sizes
     fitted = fit_lines(ideal, sizes, linear.kept.astype(np.float64))
     foot = fitted.centre[linear.line] + linear.along_px[:, None] * fitted.along[linear.line]
-    spans = [(part.min(), part.max()) for part in by_line(linear.along_px, sizes)]
-    reach = np.linspace(*np.array(spans).T, _CURVE)  # (points, lines)
+    spans = by_line(linear.along_px, sizes)
+    first, last = (np.array([bound(span) for span in spans]) for bound in (np.min, np.max))
+    reach = np.linspace(first, last, _CURVE)  # (points, lines)
     curves = fitted.centre[None] + reach[..., None] * fitted.along[None]
     seen = _seen(made, np.concatenate((foot, curves.reshape(-1, 2))))
     feet = by_line(seen[: len(foot)], sizes)
     shown = seen[len(foot) :].reshape(_CURVE, -1, 2)
+    ideals = by_line(frame.to_pixels(ideal, 1.0), sizes)
     told: list[dict[str, Any]] = []
     for index, (number, line) in enumerate(zip(numbers, made.observations.lines, strict=True)):
         photo = made.observations.photos[line.photo].frame
@@ -79,6 +81,7 @@ def _lines(made: Calibration, numbers: list[int]) -> list[dict[str, Any]]:
                 "number": number,
                 "rms_px": _rms(made, index),
                 "points": _rounded(line.points_px),
+                "ideal": _rounded(_in_photo(ideals[index], made, line.photo, turned=turned)),
                 "feet": _rounded(_in_photo(feet[index], made, line.photo, turned=turned)),
                 "curve": _rounded(_in_photo(shown[:, index], made, line.photo, turned=turned)),
                 "residuals": _rounded(made.residuals_px[index]),
@@ -103,7 +106,7 @@ def _in_photo(points_px: Array, made: Calibration, photo: int, *, turned: bool) 
     return frame.to_pixels(made.lens.frame.normalise(points_px, 1.0), 1.0)
 
 
-def curve(made: Calibration) -> dict[str, Any]:
+def radial(made: Calibration) -> dict[str, Any]:
     """Displacement over the distance from the distortion centre, and how far out picks reach."""
     observed, ideal = radial_curve(made.lens)
     picks = made.observations.centred_px

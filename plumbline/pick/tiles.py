@@ -13,7 +13,6 @@ from PIL import Image, ImageCms
 from plumbline.errors import OptionError, ReadError
 from plumbline.frame import Array
 from plumbline.geometry.lens import Lens
-from plumbline.models import CENTRE
 from plumbline.pick.photos import Level, LoadedPhoto, Pixels
 
 SIDE = 512
@@ -75,12 +74,10 @@ def _sampled(level: Level, places: Array) -> Pixels:
     )
 
 
-def _sources(
-    photo: LoadedPhoto, lens: Lens, number: int, box: tuple[int, int, int, int]
-) -> Array:
+def _sources(photo: LoadedPhoto, lens: Lens, number: int, box: tuple[int, int, int, int]) -> Array:
     """Where in a level the pixels of a corrected tile are taken from, (rows, columns, 2)."""
     left, top, right, bottom = box
-    scale = 2.0**number
+    scale = np.array([side / -(-side // 2**number) for side in photo.size])
     x = np.linspace(left, right - 1, _NODES)
     y = np.linspace(top, bottom - 1, _NODES)
     wanted = (np.stack(np.meshgrid(x, y), axis=-1) + 0.5) * scale - 0.5
@@ -89,13 +86,11 @@ def _sources(
         np.linspace(0, _NODES - 1, right - left, dtype=np.float32),
         np.linspace(0, _NODES - 1, bottom - top, dtype=np.float32),
     )
-    return np.stack(
-        [
-            cv2.remap(observed[..., axis].astype(np.float32), columns, rows, cv2.INTER_LINEAR)
-            for axis in (0, 1)
-        ],
-        axis=-1,
+    across, down = (
+        cv2.remap(observed[..., axis].astype(np.float32), columns, rows, cv2.INTER_LINEAR)
+        for axis in (0, 1)
     )
+    return np.stack((across, down), axis=-1).astype(np.float64)
 
 
 @lru_cache(maxsize=4)

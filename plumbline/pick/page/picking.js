@@ -1,0 +1,166 @@
+/** @file What clicks and drags on the photo mean: picking, selecting, extending, moving. */
+
+import { photoAt } from "./camera.js";
+import { continues, distance, distanceTo, inOrder } from "./geometry.js";
+
+/** @typedef {import("./types.js").State} State */
+/** @typedef {import("./types.js").Point} Point */
+/** @typedef {import("./types.js").Line} Line */
+/** @typedef {import("./store.js").Store} Store */
+/** @typedef {import("./server.js").Server} Server */
+/** @typedef {{photo: number, point: Point}} Place */
+
+const NEAR = 8; // screen pixels within which something is meant
+const TWICE = 3; // screen pixels within which a click is the second of a double click
+const SLACK = 14; // screen pixels off a line's continuation that still continue it
+
+/**
+ * @param {Store} store
+ * @param {Server} server
+ */
+export function createPicking(store, server) {
+  /** @returns {number} Photo pixels of so many screen pixels. */
+  const inPhoto = (/** @type {number} */ screen) => screen / store.get().view.scale;
+
+  /** @param {Place} place */
+  function lineAt({ photo, point }) {
+    const { lines } = store.get();
+    const near = lines.filter((line) => line.photo === photo)
+      .map((line) => ({ line, away: distanceTo(point, inOrder(line.points)) }))
+      .filter(({ away }) => away <= inPhoto(NEAR));
+    return near.sort((a, b) => a.away - b.away)[0]?.line ?? null;
+  }
+
+  /** @param {Place} place */
+  function proposalAt({ photo, point }) {
+    const { proposals, show } = store.get();
+    return show.proposals ? proposals.find((each) => each.photo === photo
+      && distanceTo(point, each.points) <= inPhoto(NEAR)) ?? null : null;
+  }
+
+  /**
+   * The click of a line at a place; those of the selected line come first.
+   *
+   * @param {Place} place
+   */
+  function clickAt({ photo, point }) {
+    const { lines, selected } = store.get();
+    const mine = lines.filter((line) => line.photo === photo)
+      .sort((a, b) => Number(b.number === selected) - Number(a.number === selected));
+    for (const line of mine) {
+      const index = line.clicks.findIndex((click) => distance(click, point) <= inPhoto(NEAR));
+      if (index >= 0) return { line: line.number, index };
+    }
+    return null;
+  }
+
+  /**
+   * @param {Place} place
+   * @param {boolean} free
+   */
+  function begin({ photo, point }, free) {
+    const { snapping } = store.get();
+    store.set({ pending: { photo, clicks: [point], snap: snapping && !free }, selected: null,
+      click: null, reason: null });
+  }
+
+  /**
+   * One more click of the line that is being drawn; a traced line is complete with two.
+   *
+   * @param {Place} place
+   * @param {boolean} free
+   */
+  async function goOn({ photo, point }, free) {
+    const { pending } = store.get();
+    if (!pending || photo !== pending.photo) return;
+    if (distance(point, pending.clicks[pending.clicks.length - 1]) < inPhoto(TWICE)) return;
+    const snap = pending.snap && !free;
+    const clicks = [...pending.clicks, point];
+    store.set({ pending: { ...pending, clicks, snap } });
+    if (snap && clicks.length >= 2) await complete();
+  }
+
+  /** Give the line that is being drawn to the server. */
+  async function complete() {
+    const { pending } = store.get();
+    if (!pending) return;
+    const enough = pending.clicks.length >= (pending.snap ? 2 : 3);
+    store.set({ pending: null });
+    if (!enough) return;
+    const told = await server.act({ do: "draw", photo: pending.photo, clicks: pending.clicks, snap: pending.snap });
+    if (told?.refusal && !store.get().pending) {
+      store.set({ pending: { ...pending, clicks: pending.clicks.slice(0, 1) } });
+    }
+  }
+
+  return {
+    complete,
+    clickAt,
+
+    /**
+     * @param {Point} world
+     * @param {{alt: boolean, shift: boolean}} keys
+     */
+    async click(world, { alt, shift }) {
+      const state = store.get();
+      const place = photoAt(world, state.photos);
+      const free = alt !== state.free;
+      if (state.show.corrected || !place) {
+        store.set({ selected: null, click: null, reason: null });
+        return;
+      }
+      if (state.pending) return goOn(place, free);
+      const chosen = state.lines.find((line) => line.number === state.selected);
+      if (shift && chosen?.photo === place.photo) {
+        await server.act({ do: "extend", line: chosen.number, click: place.point });
+        return;
+      }
+      const proposal = proposalAt(place);
+      if (proposal) {
+        await server.act(shift ? { do: "reject", proposal: proposal.number }
+          : { do: "accept", proposals: [proposal.number] });
+        return;
+      }
+      const handle = clickAt(place);
+      if (handle) {
+        store.set({ selected: handle.line, click: handle.index, reason: null });
+        return;
+      }
+      const line = lineAt(place);
+      if (line) {
+        store.set({ selected: line.number, click: null, reason: null });
+      } else if (chosen?.photo === place.photo && continues(place.point, chosen.points, inPhoto(SLACK))) {
+        await server.act({ do: "extend", line: chosen.number, click: place.point });
+      } else {
+        begin(place, free);
+      }
+    },
+
+    /**
+     * @param {{line: number, index: number, to: Point}} moved
+     */
+    async move({ line, index, to }) {
+      await server.act({ do: "move", line, index, to });
+      store.set({ dragged: null });
+    },
+
+    /** Delete what is selected: a click, else a line. */
+    async remove() {
+      const { selected, click, lines } = store.get();
+      if (selected === null || !lines.some((line) => line.number === selected)) return;
+      await server.act({ do: "remove", line: selected, index: click });
+      store.set({ click: null });
+    },
+
+    /** Take back the last click of the line that is being drawn; whether there was one. */
+    unclick() {
+      const { pending } = store.get();
+      if (!pending) return false;
+      const clicks = pending.clicks.slice(0, -1);
+      store.set({ pending: clicks.length ? { ...pending, clicks } : null });
+      return true;
+    },
+  };
+}
+
+/** @typedef {ReturnType<typeof createPicking>} Picking */
