@@ -74,7 +74,7 @@ def app_of(session: Session) -> Starlette:
         kept = {"cache-control": "private, max-age=3600, immutable"}
         return Response(content, media_type="image/jpeg", headers=kept)
 
-    return Starlette(
+    app = Starlette(
         routes=[
             Route("/state", state),
             Route("/act", act, methods=["POST"]),
@@ -88,6 +88,8 @@ def app_of(session: Session) -> Starlette:
         ],
         exception_handlers={PlumblineError: _refused, TooMuchError: _too_much},
     )
+    app.router.redirect_slashes = False  # a redirect would name paths without the secret
+    return app
 
 
 class _Events:
@@ -129,9 +131,9 @@ def _told(payload: Any, status: int = 200) -> Response:
 
 
 async def _refused(_: Request, error: Exception) -> Response:
-    assert isinstance(error, PlumblineError)
-    told = {"error": printable(error.message), "hint": printable(error.hint)}
-    return _told(told, 400)
+    if not isinstance(error, PlumblineError):
+        raise error
+    return _told({"error": printable(error.message), "hint": printable(error.hint)}, 400)
 
 
 async def _too_much(_: Request, __: Exception) -> Response:

@@ -22,6 +22,10 @@ from plumbline.pick.document import (
     Proposal,
     Settings,
 )
+from plumbline.wording import count
+
+_Clicks = requests.Extend | requests.Move | requests.Remove
+_Picks = requests.Draw | requests.Rival | requests.Snap | _Clicks
 
 _FEWEST = 2
 """Clicks that a traced line keeps at least: an edge runs between two."""
@@ -105,20 +109,20 @@ class Editor:
                 return Edited(document.after_next())
             case requests.Set():
                 return Edited(_set(document, request))
-            case requests.Remove(index=None):
-                line = document.line(request.line)
-                return Edited(document.acted(f"delete line {line.name}", [Change(line, None)]))
-            case requests.Accept():
-                return self._accepted(document, request)
-            case requests.Reject():
-                (each,) = self._asked(document, (request.proposal,))
-                rejected = (*document.rejected, each.ends)
-                return Edited(msgspec.structs.replace(document, rejected=rejected))
+            case requests.Accept() | requests.Reject():
+                return self._answered(document, request)
+            case _:
+                return self._picked(document, request, lens)
+
+    def _picked(self, document: Document, request: _Picks, lens: Lens | None) -> Edited:
+        match request:
             case requests.Draw():
                 return self._drawn(document, request, lens)
+            case requests.Remove(index=None):
+                return _deleted(document, document.line(request.line))
             case requests.Rival() | requests.Snap():
                 return self._retraced(document, request, lens)
-            case requests.Extend() | requests.Move() | requests.Remove():
+            case _:
                 return self._reclicked(document, request, lens)
 
     def _asked(self, document: Document, numbers: Sequence[int]) -> list[Proposal]:
@@ -132,15 +136,18 @@ class Editor:
             raise OptionError("this proposal was taken or rejected before")
         return found
 
-    def _accepted(self, document: Document, request: requests.Accept) -> Edited:
+    def _answered(self, document: Document, request: requests.Accept | requests.Reject) -> Edited:
+        """Proposals taken as lines, or one rejected."""
+        if isinstance(request, requests.Reject):
+            (each,) = self._asked(document, (request.proposal,))
+            rejected = (*document.rejected, each.ends)
+            return Edited(msgspec.structs.replace(document, rejected=rejected))
         changes: list[Change] = []
         taken = self._asked(document, request.proposals)[: MOST_LINES - len(document.lines)]
         for number, each in enumerate(taken, document.next_number):
             line = PickedLine(number, each.photo, each.ends, each.points, each.errors, snapped=True)
             changes.append(Change(None, line))
-        name = (
-            "take a proposed line" if len(changes) == 1 else f"take {len(changes)} proposed lines"
-        )
+        name = f"take {count(len(changes), 'proposed line')}"
         return Edited(document.acted(name, changes), document.next_number)
 
     def _drawn(self, document: Document, request: requests.Draw, lens: Lens | None) -> Edited:
@@ -164,12 +171,7 @@ class Editor:
         name = "trace the edge" if request.on else "keep the clicks"
         return self._placed(document, name, line, after, lens)
 
-    def _reclicked(
-        self,
-        document: Document,
-        request: requests.Extend | requests.Move | requests.Remove,
-        lens: Lens | None,
-    ) -> Edited:
+    def _reclicked(self, document: Document, request: _Clicks, lens: Lens | None) -> Edited:
         """The same line with one click more, moved or less."""
         line = document.line(request.line)
         clicks = list(line.clicks)
@@ -187,7 +189,7 @@ class Editor:
                 name = f"delete a click of line {line.name}"
         fewest = _FEWEST if line.snapped else 1
         if len(clicks) < fewest:
-            return Edited(document.acted(f"delete line {line.name}", [Change(line, None)]))
+            return _deleted(document, line)
         after = msgspec.structs.replace(line, clicks=tuple(clicks), rival=0)
         return self._placed(document, name, line, after, lens)
 
@@ -215,6 +217,10 @@ class Editor:
                 line, points=traced.points, errors=traced.errors, rivals=traced.rivals
             )
         return Edited(document.acted(name, [Change(before, after)]), line.number)
+
+
+def _deleted(document: Document, line: PickedLine) -> Edited:
+    return Edited(document.acted(f"delete line {line.name}", [Change(line, None)]))
 
 
 def _place_along(clicks: Sequence[Point], new: Point) -> int:
