@@ -18,6 +18,10 @@ from typing import TYPE_CHECKING
 from plumbline._version import __version__ as __version__
 
 if TYPE_CHECKING:
+    from plumbline.edges.snap import (
+        Snapped as Snapped,
+        snap as snap,
+    )
     from plumbline.errors import (
         CollapsedFitError as CollapsedFitError,
         DegenerateLinesError as DegenerateLinesError,
@@ -107,6 +111,7 @@ _HOMES = {
         "UnsupportedModelError",
         "WriteError",
     ),
+    "plumbline.edges.snap": ("Snapped", "snap"),
     "plumbline.fit.bootstrap": ("bootstrap",),
     "plumbline.fit.calibrate": ("calibrate", "calibrate_many"),
     "plumbline.fit.choice.compare": ("compare",),

@@ -22,7 +22,7 @@ FLOORS = (
     "formats trust",
     "reading result",
     "fit lenses",
-    "writing imaging",
+    "writing imaging edges",
     "report",
     "pick",
     "cli",

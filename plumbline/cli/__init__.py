@@ -18,6 +18,7 @@ from plumbline.errors import PlumblineError, printable
 VERBS = {
     "pick": "Pick lines on a page in the browser, with the fit running while you click.",
     "fit": "Find the distortion that makes picked lines straight.",
+    "snap": "Move picks onto the photograph's edges, to a small part of a pixel.",
     "check": "Say whether the picks can tell the distortion, and what to pick next.",
     "compare": "Compare the distortion models on the same picks, and recommend one.",
     "report": "Show a calibration as a page with figures, tables and checksums.",

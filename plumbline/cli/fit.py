@@ -24,6 +24,7 @@ Examples:
   plumbline fit building.pto --free b -o b_alone.json
   plumbline fit building.pto --start a=0.03,b=-0.1,c=0.05
   plumbline fit building.pto --robust --model auto
+  plumbline fit picks.csv --photo facade.jpg --snap
   plumbline fit building.pto --report building.html --plot building.curve.svg
 """
 
@@ -48,6 +49,7 @@ Examples:
     help="Measure straightness in the photograph's pixels, or in the corrected photo's.",
 )
 @click.option("--robust", is_flag=True, help="Leave suspicious picks out, and list them.")
+@click.option("--snap", is_flag=True, help="Move the picks onto the photograph's edges first.")
 @options.bootstrap
 @options.reading
 @options.labelling
@@ -76,6 +78,7 @@ def command(
     start: Any,
     residual: Any,
     robust: bool,
+    snap: bool,
     bootstrap: int | None,
     output: tuple[str, ...],
     report: str | None,
@@ -108,7 +111,12 @@ def command(
             check_targets(report, plots)
     wishes = Wishes(model, free, hold or (), start, residual, robust, bootstrap)
     narration = Console(stderr=True)
-    made = fit_lenses(parts_of(points, reading), wishes, narration)
+    parts = parts_of(points, reading)
+    if snap:
+        from plumbline.cli.tools.snap import snapped
+
+        parts = [each.observations for each in snapped(parts, reading["photo"], narration)]
+    made = fit_lenses(parts, wishes, narration)
     calibrations = [replace(each, command=command_line()) for each in made]
     refuse_unsettled(calibrations)
     drawn: dict[Path, bytes] = {}

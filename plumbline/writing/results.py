@@ -9,13 +9,14 @@ from plumbline.errors import OptionError, UnsupportedModelError
 from plumbline.files import refuse_to_clobber, refuse_unknown_suffix, write_atomically
 from plumbline.formats.panotools.pto_writing import new_project, rewritten
 from plumbline.formats.points.csv import write_csv
+from plumbline.formats.points.labelme_writing import write_labelme
 from plumbline.observations import Observations, Origin
 from plumbline.result.calibration import Calibration, refuse_unsettled
 from plumbline.result.writing import to_json
 from plumbline.writing.lensfun import lensfun_bytes
 
 RESULT_SUFFIXES = (".pto", ".xml", ".json")
-POINT_SUFFIXES = (".csv", ".pto")
+POINT_SUFFIXES = (".csv", ".pto", ".json")
 
 
 def write(
@@ -65,27 +66,38 @@ def result_bytes(
 
 
 def write_points(observations: Observations, path: str | Path, *, overwrite: bool = False) -> Path:
-    """Write picked points as CSV or as a Hugin project; the format follows the suffix.
+    """Write picked points as CSV, Hugin project or labelme JSON; the format follows the suffix.
 
     Args:
         observations: The points. What is known of the lenses goes into a project only.
-        path: Where to, `.csv` or `.pto`.
+        path: Where to, `.csv`, `.pto` or `.json`.
         overwrite: Replace a file that plumbline did not mark as its own, as it does projects.
 
     Raises:
         WriteError: the file exists and is not marked as plumbline's, or cannot be written.
-        OptionError: a CSV would mix the lines of several lenses.
+        OptionError: a CSV would mix the lines of several lenses, or a JSON those of several
+            photos.
     """
     target = Path(path)
+    write_atomically({target: points_bytes(observations, target, overwrite=overwrite)})
+    return target
+
+
+def points_bytes(observations: Observations, target: Path, *, overwrite: bool = False) -> bytes:
+    """What `write_points` writes, after its checks; nothing is written yet.
+
+    Raises:
+        PlumblineError: as `write_points`.
+    """
+    suffix = target.suffix.lower()
     refuse_unknown_suffix(target, POINT_SUFFIXES, "points")
     refuse_to_clobber(target, _inputs(observations), overwrite=overwrite)
-    if target.suffix.lower() == ".csv":
+    if suffix == ".json":
+        return write_labelme(observations).encode()
+    if suffix == ".csv":
         _refuse_to_mix_lenses(observations)
-        content = write_csv(observations).encode()
-    else:
-        content = new_project(observations, {})
-    write_atomically({target: content})
-    return target
+        return write_csv(observations).encode()
+    return new_project(observations, {})
 
 
 def _refuse_to_mix_lenses(observations: Observations) -> None:

@@ -334,7 +334,7 @@ def test_the_input_is_never_overwritten(tmp_path: Path) -> None:
 # --- points ---------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("suffix", [".csv", ".pto"])
+@pytest.mark.parametrize("suffix", [".csv", ".pto", ".json"])
 def test_points_read_back(tmp_path: Path, suffix: str) -> None:
     observations = calibration().observations
     path = plumbline.write_points(observations, tmp_path / f"p{suffix}")
@@ -354,8 +354,15 @@ def test_a_csv_does_not_mix_lenses(tmp_path: Path) -> None:
     plumbline.write_points(replace(both, lines=both.lines[:1]), tmp_path / "p.csv")
 
 
+def test_a_json_of_points_is_of_one_photo(tmp_path: Path) -> None:
+    one = calibration().observations
+    with pytest.raises(OptionError, match="the lines are in 2 photos"):
+        plumbline.write_points(Observations.side_by_side([one, one]), tmp_path / "p.json")
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_points_have_no_other_formats(tmp_path: Path) -> None:
-    for name in ("p.xml", "p.json", "p"):
+    for name in ("p.xml", "p"):
         with pytest.raises(PlumblineError, match="points are not written as") as caught:
             plumbline.write_points(calibration().observations, tmp_path / name)
         assert caught.value.hint
