@@ -11,7 +11,7 @@
     └── FoldedError              a point lies where the distortion folds over
 
 Every message is one sentence for the user; `hint` is the remedy. A fit that does not
-converge is no exception: see `Calibration.converged`.
+converge is not an exception: see `Calibration.converged`.
 """
 
 from __future__ import annotations

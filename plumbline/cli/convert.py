@@ -9,11 +9,11 @@ import click
 
 from plumbline.cli import options
 
-_HELP = """Turn picked points into CSV or a Hugin project.
+_HELP = """Convert picked points to CSV or a Hugin project.
 
-SOURCE is any file that `fit` reads; the suffix of TARGET, .csv or .pto, says what is made. A
-Hugin project gets the points in reversed pairs, one straight line each from t3 on, with the
-photo attached and a, b, c (or what SOURCE asks for) marked for optimising.
+SOURCE is any file that `fit` reads; the suffix of TARGET, .csv or .pto, chooses the format. In
+a Hugin project each line becomes a straight line (t3, t4, …) of paired points, with the photo
+attached and a, b, c (or what SOURCE asks for) marked for optimising.
 
 \b
 Example:
@@ -21,7 +21,7 @@ Example:
 """
 
 
-@click.command("convert", help=_HELP, short_help="Turn picked points into CSV or a Hugin project.")
+@click.command("convert", help=_HELP)
 @click.argument("source")
 @click.argument("target")
 @options.reading

@@ -278,25 +278,25 @@ def test_pixels_the_other_way(tmp_path: Path) -> None:
         (("correct", "a.jpg", *PTLENS, "--quality", "101"), 2, "--quality"),
         (("correct", "a.jpg", "--ptlens", "file"), 2, "--ptlens"),
         *(
-            (("correct", *POINTS, *PTLENS, *useless), 2, f"--points has no use for {useless[0]};")
+            (("correct", *POINTS, *PTLENS, *useless), 2, f"--points does not use {useless[0]};")
             for useless in (
                 *(("--scale", "keep"), ("--border", "white"), ("--difference",), ("--jobs", "2")),
                 *(("--quality", "95"), ("--interpolation", "cubic"), ("--skip-existing",)),
             )
         ),
         *(
-            (("correct", "a.jpg", *MAP, *PTLENS, *useless), 2, f"--map has no use for {useless[0]}")
+            (("correct", "a.jpg", *MAP, *PTLENS, *useless), 2, f"--map does not use {useless[0]}")
             for useless in (("-o", "x.tif"), ("--border", "edge"), ("--difference",))
         ),
         (
             ("correct", "a.jpg", *PTLENS, "--scheduler", "tcp://127.0.0.1:1", "--jobs", "2"),
             2,
-            "--scheduler has no use for --jobs",
+            "--scheduler does not use --jobs",
         ),
         (
             ("correct", *POINTS, *PTLENS, "-o", "b.csv", "--suffix", "_x"),
             2,
-            "--points with -o has no use for --suffix",
+            "--points with -o does not use --suffix",
         ),
         (
             ("correct", "a.jpg", *PTLENS, "-o", "b.jpg", "--suffix", "_x"),

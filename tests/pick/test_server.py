@@ -167,7 +167,7 @@ def test_the_background_says_what_is_suspicious_and_where_to_pick_next(tmp_path:
     photo = tmp_path / "facade.jpg"
     shutil.copy(FACADE, photo)
     wrong = [list(line) for line in LINES]
-    wrong[0][3] = (wrong[0][3][0], wrong[0][3][1] + 25)
+    wrong[0][3] = (wrong[0][3][0] + 25, wrong[0][3][1])  # across: the line runs down
     with served(photo) as server:
         for clicks in wrong:
             server.act(do="draw", photo=0, clicks=clicks, snap=False)
@@ -225,9 +225,11 @@ def test_a_second_page_is_told(server: Served) -> None:
     assert status == 400
     assert "another page" in msgspec.json.decode(content)["error"]
     server.ask("take", {"page": "two"})
-    heard = b"".join(stream.readline() for _ in range(8))
-    assert b'event: holder\ndata: "two"' in heard
+    heard = b""
+    while b'event: holder\ndata: "two"' not in heard:  # the connection's timeout ends it
+        heard += stream.readline()
     server.act(page="two", do="undo")
+    stream.close()
     events.close()
 
 
