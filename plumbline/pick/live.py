@@ -1,31 +1,37 @@
-"""The fit while one picks: at once after a click, and its judgement in the background."""
+"""The fit while one picks: at once after a click, and with a search for suspicious picks."""
 
 from __future__ import annotations
 
-import threading
-from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
+from plumbline.edges.rough_lens import one_coefficient, polynomial
 from plumbline.errors import DegenerateLinesError, PlumblineError
 from plumbline.fit.calibrate import calibrate
 from plumbline.fit.outcome import finish
 from plumbline.fit.problem import prepare
 from plumbline.fit.program.solve import solve
+from plumbline.frame import Frame
+from plumbline.geometry.lens import Lens
 from plumbline.models import get_model
 from plumbline.observations import Line, Observations, Photo
 from plumbline.pick.document import Document, Settings
-from plumbline.pick.observing import LIVE_SAMPLES, observations_of
+from plumbline.pick.observing import LIVE_SAMPLES, fitted_lines, observations_of
 from plumbline.result.calibration import Calibration
 
 _ROWS = (16, 32, 64)
 """Numbers of lines whose programs are made ready: a block has at least 16 rows, and few people
 pick more than 64 lines."""
 
-_JUDGED_SAMPLES = 2 * LIVE_SAMPLES
-"""Samples of a traced line that are judged: a robust search over dense wrong lines took 2 s."""
+_FEW = 3
+"""Lines from which more than one coefficient is taken for a prediction: two can be made straight
+by lenses that differ wildly elsewhere."""
+
+_TRUSTED = 6
+"""Lines from which the fit predicts better than the rough lens, whose coefficients are held near
+0 (chosen, because three free coefficients of a fit to fewer lines are hardly determined)."""
 
 
 @dataclass(frozen=True)
@@ -48,11 +54,27 @@ def fit_now(document: Document) -> Fitted:
         return Fitted(None, error.message, error.hint)
 
 
+def guide(document: Document, fitted: Fitted) -> Lens | None:
+    """The lens that predicts where edges run: the fit's, or a rough one from few lines."""
+    if fitted.made is not None and len(fitted.made.observations.lines) >= _TRUSTED:
+        return fitted.made.lens
+    first = document.photos[0].size
+    lines = [
+        np.array(line.points)
+        for line in fitted_lines(document)
+        if document.photos[line.photo].size == first
+    ]
+    if not lines:
+        return None
+    rough = one_coefficient(lines, Frame(*first))
+    return (polynomial(lines, rough) if len(lines) >= _FEW else rough).lens
+
+
 def judged(document: Document) -> Fitted:
     """Fit with the search for suspicious picks."""
     settings = document.settings
     try:
-        observations = observations_of(document, most=_JUDGED_SAMPLES)
+        observations = observations_of(document, most=LIVE_SAMPLES)
         return Fitted(calibrate(observations, settings.model, free=settings.free))
     except PlumblineError as error:
         return Fitted(None, error.message, error.hint)
@@ -88,41 +110,3 @@ def _in_words(document: Document, error: DegenerateLinesError) -> tuple[str, str
     if not document.lines:
         return "no line is picked yet", "click near one end of a straight edge, then the other"
     return error.message, error.hint
-
-
-class Judge:
-    """Works on the newest document in a thread of its own; older ones are passed over.
-
-    Args:
-        work: Called with the revision and the document.
-    """
-
-    def __init__(self, work: Callable[[int, Document], None]) -> None:
-        self._work = work
-        self._next: tuple[int, Document] | None = None
-        self._changed = threading.Condition()
-        self._stopped = False
-        self._thread = threading.Thread(target=self._run, name="judge", daemon=True)
-        self._thread.start()
-
-    def ask(self, revision: int, document: Document) -> None:
-        """Judge this document next."""
-        with self._changed:
-            self._next = revision, document
-            self._changed.notify()
-
-    def stop(self) -> None:
-        """End after the work in hand."""
-        with self._changed:
-            self._stopped = True
-            self._changed.notify()
-
-    def _run(self) -> None:
-        while True:
-            with self._changed:
-                self._changed.wait_for(lambda: self._stopped or self._next is not None)
-                if self._stopped:
-                    return
-                task, self._next = self._next, None
-            if task is not None:
-                self._work(*task)

@@ -17,6 +17,7 @@ from plumbline.pick.observing import known_of, with_points
 from plumbline.pick.photos import LoadedPhoto, is_photo
 from plumbline.pick.saving import Keeper, picks_beside
 from plumbline.pick.session import Session
+from plumbline.pick.tracing import Tracer
 from plumbline.reading.gathering import labelled
 from plumbline.reading.points import read
 from plumbline.wording import listed
@@ -56,7 +57,7 @@ def open_session(sources: Sequence[str], labels: Mapping[str, Any]) -> Session:
     except BaseException:
         keeper.close()
         raise
-    return Session(document, photos, keeper, None, notes)
+    return Session(document, photos, keeper, Tracer(photos), notes)
 
 
 def _refuse_many(photos: Sequence[LoadedPhoto], points: Sequence[Path]) -> None:

@@ -32,8 +32,8 @@ class Level:
     """The photo at one size.
 
     Attributes:
-        pixels: Upright, 8 bits: grey (rows, columns), or red, green, blue or four inks (…, n).
-        mode: Pillow's name of what the channels are: "L", "RGB" or "CMYK".
+        pixels: Upright, 8 bits: grey (rows, columns), or blue, green, red or four inks (…, n).
+        mode: "L", "BGR" or "CMYK".
     """
 
     pixels: Pixels
@@ -61,6 +61,7 @@ class LoadedPhoto:
         self.icc = b""
         self.failure: PlumblineError | None = None
         self._levels: dict[int, Level] = {}
+        self._source: Pixels | None = None
         self._changed = threading.Condition()
         self._stamp = _stamp(path)
 
@@ -95,6 +96,21 @@ class LoadedPhoto:
                 raise ReadError("the photo is not decoded yet", path=self.path)
             return self._levels[number]
 
+    def source(self, timeout_s: float = 60.0) -> Pixels:
+        """The photo at full size and depth, upright, blue first; waited for.
+
+        Raises:
+            ReadError: the photo cannot be decoded, or not in time.
+        """
+        level = self.level(0, timeout_s)
+        if level.mode == "CMYK":
+            raise ReadError(
+                "edges are not traced in printing inks",
+                path=self.path,
+                hint="save it with red, green and blue, or pick freely",
+            )
+        return level.pixels if self._source is None else self._source
+
     @property
     def changed_on_disk(self) -> str:
         """What happened to the file since it was opened, in a sentence; empty if nothing."""
@@ -119,18 +135,22 @@ class LoadedPhoto:
         small: Any = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), flags)
         if small is None:
             return
-        rgb = upright(np.ascontiguousarray(small[..., ::-1]), self.facts.orientation)
-        self._build(Level(rgb, "RGB"), _EIGHTH)
+        self._build(Level(upright(small, self.facts.orientation), "BGR"), _EIGHTH)
 
     def _take(self, picture: Picture) -> None:
-        level = _eight_bits(picture)
-        pixels = level.pixels
-        if pixels.shape[1::-1] != self.size or not self.facts.turned:
-            pixels = upright(pixels, self.facts.orientation)
+        pixels = picture.pixels
+        if picture.alpha:
+            pixels = pixels[..., 0] if pixels.shape[2] == 2 else pixels[..., :3]
+        turned_before = self.facts.turned and pixels.shape[1::-1] == self.size
+        pixels = upright(pixels, 1 if turned_before else self.facts.orientation)
         if pixels.shape[1::-1] != self.size:
             raise ReadError("the photo's head and its pixels tell two sizes", path=self.path)
+        mode = "CMYK" if picture.inks else "L" if pixels.ndim == 2 else "BGR"
         self.icc = picture.metadata.icc
-        self._build(Level(pixels, level.mode), 0)
+        if pixels.dtype == np.uint16:
+            self._source = pixels
+            pixels = (pixels >> 8).astype(np.uint8)
+        self._build(Level(pixels, mode), 0)
 
     def _build(self, first: Level, number: int) -> None:
         """Fill the pyramid from one level upwards."""
@@ -143,18 +163,6 @@ class LoadedPhoto:
         with self._changed:
             self._levels |= levels
             self._changed.notify_all()
-
-
-def _eight_bits(picture: Picture) -> Level:
-    """Grey, red-green-blue or inks of 8 bits, without alpha."""
-    pixels = picture.pixels
-    if pixels.dtype == np.uint16:
-        pixels = (pixels >> 8).astype(np.uint8)
-    if pixels.ndim == 2 or pixels.shape[2] <= 2:
-        return Level(pixels if pixels.ndim == 2 else pixels[..., 0], "L")
-    if picture.inks:
-        return Level(pixels, "CMYK")
-    return Level(cv2.cvtColor(np.ascontiguousarray(pixels[..., :3]), cv2.COLOR_BGR2RGB), "RGB")
 
 
 def upright(pixels: Pixels, orientation: int) -> Pixels:

@@ -11,11 +11,11 @@ from plumbline.errors import OptionError, PlumblineError, printable
 from plumbline.geometry.lens import Lens
 from plumbline.models import MODELS
 from plumbline.pick import requests
-from plumbline.pick.advice import judgement
 from plumbline.pick.document import Document
 from plumbline.pick.editing import Edited, Editor, Tracer
 from plumbline.pick.events import Hub
-from plumbline.pick.live import Fitted, Judge, fit_now, judged, warm_up
+from plumbline.pick.judging import Judge
+from plumbline.pick.live import Fitted, fit_now, guide, warm_up
 from plumbline.pick.photos import LoadedPhoto
 from plumbline.pick.saving import Keeper
 from plumbline.pick.telling import told
@@ -58,6 +58,8 @@ class Session:
         self._judgement: dict[str, Any] = {}
         self._lock = threading.RLock()
         self._saver = ThreadPoolExecutor(1, "save")
+        self._guide: Future[Lens | None] | None = None
+        self._guesser = ThreadPoolExecutor(1, "guide")
         self._judge = Judge(self._judged)
         self._stopped = threading.Event()
         self.hub.on_open, self.hub.on_close = self._opened, self._closed
@@ -77,6 +79,7 @@ class Session:
             if self._unsaved:
                 self._save(self.document)
         self._saver.shutdown(wait=True)
+        self._guesser.shutdown(wait=False)
         self.keeper.close()
 
     @property
@@ -99,6 +102,7 @@ class Session:
                 self._revision += 1
                 saving = self._saver.submit(self._save, self.document)
                 self.fitted = fit_now(self.document)
+                self._guide = self._guesser.submit(guide, self.document, self.fitted)
                 self._judge.ask(self._revision, self.document)
             if saving is not None:
                 saving.result()
@@ -154,7 +158,8 @@ class Session:
         self.hub.publish("holder", page)
 
     def _edited(self, request: requests.Request) -> Edited:
-        return self._editor.edited(self.document, request, self.lens)
+        lens = None if self._guide is None else self._guide.result()
+        return self._editor.edited(self.document, request, lens)
 
     def _refuse_reader(self, page: str) -> None:
         if not self._holder:
@@ -195,14 +200,15 @@ class Session:
     def _ready(self) -> None:
         with self._lock:
             self.fitted = fit_now(self.document)
+            self._guide = self._guesser.submit(guide, self.document, self.fitted)
             self._judge.ask(self._revision, self.document)
             state = self.state()
         self.hub.publish("state", state)
         warm_up(self.document.settings, self.photos[0].size)
         self.hub.publish("ready", True)
 
-    def _judged(self, revision: int, document: Document) -> None:
-        found = judgement(judged(document), document) | {"revision": revision}
+    def _judged(self, revision: int, judgement: dict[str, Any]) -> None:
+        found = judgement | {"revision": revision}
         with self._lock:
             if revision != self._revision:
                 return

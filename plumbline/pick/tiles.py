@@ -106,24 +106,20 @@ def _to_screen(icc: bytes, mode: str) -> Any:
 
 
 def _on_screen(pixels: Pixels, mode: str, icc: bytes) -> Pixels:
-    """The same pixels for the screen: red, green, blue in sRGB, or grey."""
-    transform = _to_screen(icc, mode)
-    if transform is not None:
-        try:
-            shown: Any = ImageCms.applyTransform(Image.fromarray(pixels, mode), transform)
-            return np.asarray(shown)
-        except (ImageCms.PyCMSError, ValueError):
-            pass
-    if mode == "CMYK":
-        return np.asarray(Image.fromarray(pixels, mode).convert("RGB"))
-    return pixels
+    """The same pixels for the screen: blue, green, red in sRGB, or grey."""
+    named = "RGB" if mode == "BGR" else mode
+    transform = _to_screen(icc, named)
+    if transform is None and mode != "CMYK":
+        return pixels
+    shown: Any = Image.fromarray(pixels[..., ::-1].copy() if mode == "BGR" else pixels, named)
+    shown = shown.convert("RGB") if transform is None else ImageCms.applyTransform(shown, transform)
+    return np.asarray(shown)[..., ::-1].copy()
 
 
 def _jpeg(pixels: Pixels) -> bytes:
-    shown = pixels if pixels.ndim == 2 else cv2.cvtColor(pixels, cv2.COLOR_RGB2BGR)
     how = [cv2.IMWRITE_JPEG_QUALITY, _QUALITY]
     how += [cv2.IMWRITE_JPEG_SAMPLING_FACTOR, cv2.IMWRITE_JPEG_SAMPLING_FACTOR_444]
-    done, data = cv2.imencode(".jpg", shown, how)
+    done, data = cv2.imencode(".jpg", pixels, how)
     if not done:
         raise ReadError("a tile cannot be encoded")
     return data.tobytes()

@@ -141,11 +141,8 @@ def test_lines_make_a_lens_and_are_saved_at_once(tmp_path: Path) -> None:
     photo = tmp_path / "facade.jpg"
     shutil.copy(FACADE, photo)
     with served(photo) as server:
-        for clicks in LINES:
-            told = server.act(do="draw", photo=0, clicks=clicks, snap=False)
-        assert told["fit"]["finding"].startswith("Barrel") or told["fit"]["finding"].startswith(
-            "Pincushion"
-        )
+        drawn = [server.act(do="draw", photo=0, clicks=clicks, snap=False) for clicks in LINES]
+        told = drawn[-1]
         # An ideal radius of r (1 + k1 r²) is a barrel: the photo shows corners drawn in.
         assert told["fit"]["corner_px"] < 0
         assert told["fit"]["sigma_px"] == pytest.approx(0.2, rel=0.35)
@@ -252,7 +249,6 @@ def test_bad_calls(tmp_path: Path) -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
         assert f"port {port} cannot be used" in error_of(photo, "--port", str(port))
-    assert not list(tmp_path.glob("missing*")) == [1]
 
 
 def test_picks_of_another_size_are_refused(tmp_path: Path) -> None:

@@ -88,9 +88,8 @@ export function createPicking(store, server) {
     store.set({ pending: null });
     if (!enough) return;
     const told = await server.act({ do: "draw", photo: pending.photo, clicks: pending.clicks, snap: pending.snap });
-    if (told?.refusal && !store.get().pending) {
-      store.set({ pending: { ...pending, clicks: pending.clicks.slice(0, 1) } });
-    }
+    // Where no edge was found the clicks stay: one more may tell which edge is meant.
+    if ((told === null || told.refusal) && !store.get().pending) store.set({ pending });
   }
 
   return {

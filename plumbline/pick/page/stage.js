@@ -45,7 +45,8 @@ export function createStage(store) {
       find("strip-note", HTMLElement).textContent = paintStrip(strip, state, size(), tiles);
     }
     photoStale = overlayStale = false;
-    stage.dataset.drawn = String(state.revision);
+    const { x, y, scale } = state.view;
+    Object.assign(stage.dataset, { drawn: String(state.revision), view: `${x} ${y} ${scale}` });
     stage.dataset.settled = String(tiles.settled);
   }
 
