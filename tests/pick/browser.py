@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 _PATIENCE_MS = 60_000
+_FRAMES_MS = 50
+"""In which the page sends what a key or a click asks for."""
 
 
 @contextmanager
@@ -53,10 +55,9 @@ class Driven:
 
     def settled(self) -> None:
         """Wait until every tile is drawn and every request answered."""
-        self.page.wait_for_function(
-            "document.querySelector('#stage').dataset.settled === 'true'"
-            " && !document.querySelector('#stage').classList.contains('waiting')"
-        )
+        self.page.wait_for_timeout(_FRAMES_MS)
+        # Not by a function: the page's policy forbids to evaluate one.
+        self.page.wait_for_selector("#stage[data-settled=true]:not(.waiting)")
 
     def data(self, name: str) -> str:
         """What the stage says of itself."""

@@ -43,7 +43,7 @@ def edges(scatter_px: float, seed: int = 3) -> list[tuple[Point, Point]]:
     """Ends of the edges that the sample's picks lie on, as a hand would click them."""
     rng = np.random.default_rng(seed)
     found: dict[str, list[Point]] = {}
-    for row in csv.DictReader(FACADE.with_name("picks.csv").open()):
+    for row in csv.DictReader(FACADE.with_name("picks.csv").read_text().splitlines()):
         found.setdefault(row["line"], []).append((float(row["x"]), float(row["y"])))
     ends = np.array([(line[0], line[-1]) for line in found.values()])
     ends = np.clip(ends + rng.normal(0, scatter_px, ends.shape), 0, (2255, 1503))
@@ -278,7 +278,7 @@ def test_controls_have_names_and_the_result_is_spoken(browser: Browser, photo: P
             .map(each => each.outerHTML)"""
         )
         assert unnamed == []
-        driven.page.wait_for_function("document.querySelector('#spoken').textContent !== ''")
+        driven.page.wait_for_selector("#spoken:not(:empty)", state="attached")
         driven.press("n")
         assert driven.page.locator("#lines button[aria-pressed=true]").count() == 1
 
@@ -287,7 +287,7 @@ def test_views_show_what_they_say(browser: Browser, photo: Path) -> None:
     """Photo, map, corrected photo and dark page, by their pixels."""
     with served(photo, FACADE.with_name("picks.csv")) as server:
         driven = Driven(browser, server, color_scheme="dark")
-        driven.page.wait_for_function("document.querySelector('#next').textContent !== ''")
+        driven.page.wait_for_selector("#next:not(:empty)")
         driven.press("l", "w", "x")
         plain = shot(driven)
         assert np.median(plain[60:, 1000:]) < 60  # the panel is dark

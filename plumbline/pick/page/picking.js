@@ -12,7 +12,8 @@ import { continues, distance, distanceTo, inOrder } from "./geometry.js";
 
 const NEAR = 8; // screen pixels within which something is meant
 const TWICE = 3; // screen pixels within which a click is the second of a double click
-const SLACK = 14; // screen pixels off a line's continuation that still continue it
+const SLACK = 14; // screen pixels off its way that still continue a line that was clicked
+const BEYOND = 24; // screen pixels beyond its end from which a line goes on without being clicked
 
 /**
  * @param {Store} store
@@ -55,13 +56,45 @@ export function createPicking(store, server) {
   }
 
   /**
+   * The first click of a line. One that falls on another line selects that too: the next click
+   * then extends it or, off its way, ends a new line that crosses it.
+   *
    * @param {Place} place
    * @param {boolean} free
+   * @param {boolean} rejecting
    */
-  function begin({ photo, point }, free) {
-    const { snapping } = store.get();
-    store.set({ pending: { photo, clicks: [point], snap: snapping && !free }, selected: null,
-      click: null, reason: null });
+  async function beginAt(place, free, rejecting) {
+    const handle = clickAt(place);
+    const on = handle?.line ?? lineAt(place)?.number ?? null;
+    const proposal = on === null ? proposalAt(place) : null;
+    if (proposal) {
+      await server.act(rejecting ? { do: "reject", proposal: proposal.number }
+        : { do: "accept", proposals: [proposal.number] });
+      return;
+    }
+    const snap = store.get().snapping && !free;
+    store.set({ pending: { photo: place.photo, clicks: [place.point], snap, on }, selected: on,
+      click: handle?.index ?? null, reason: null });
+  }
+
+  /**
+   * @param {Line} line
+   * @param {Place} place
+   */
+  function extend(line, { point }) {
+    return server.act({ do: "extend", line: line.number, click: point });
+  }
+
+  /**
+   * Whether a click well beyond a line's end goes on with it.
+   *
+   * @param {Line} line
+   * @param {Place} place
+   */
+  function goesOn(line, { point }) {
+    const far = Math.min(...line.points.map((each) => distance(each, point)));
+    return far > inPhoto(BEYOND) && distanceTo(point, inOrder(line.points)) === far
+      && continues(point, line.points, inPhoto(NEAR));
   }
 
   /**
@@ -108,30 +141,17 @@ export function createPicking(store, server) {
         store.set({ selected: null, click: null, reason: null });
         return;
       }
-      if (state.pending) return goOn(place, free);
-      const chosen = state.lines.find((line) => line.number === state.selected);
-      if (shift && chosen?.photo === place.photo) {
-        await server.act({ do: "extend", line: chosen.number, click: place.point });
-        return;
-      }
-      const proposal = proposalAt(place);
-      if (proposal) {
-        await server.act(shift ? { do: "reject", proposal: proposal.number }
-          : { do: "accept", proposals: [proposal.number] });
-        return;
-      }
-      const handle = clickAt(place);
-      if (handle) {
-        store.set({ selected: handle.line, click: handle.index, reason: null });
-        return;
-      }
-      const line = lineAt(place);
-      if (line) {
-        store.set({ selected: line.number, click: null, reason: null });
-      } else if (chosen?.photo === place.photo && continues(place.point, chosen.points, inPhoto(SLACK))) {
-        await server.act({ do: "extend", line: chosen.number, click: place.point });
+      const chosen = state.lines.find((line) => line.number === state.selected && line.photo === place.photo);
+      const { pending } = state;
+      if (pending) {
+        const onIt = chosen && pending.clicks.length === 1 && pending.on === chosen.number;
+        if (!onIt || !continues(place.point, chosen.points, inPhoto(SLACK))) return goOn(place, free);
+        store.set({ pending: null });
+        await extend(chosen, place);
+      } else if (chosen && (shift || goesOn(chosen, place))) {
+        await extend(chosen, place);
       } else {
-        begin(place, free);
+        await beginAt(place, free, shift);
       }
     },
 
@@ -147,8 +167,8 @@ export function createPicking(store, server) {
     async remove() {
       const { selected, click, lines } = store.get();
       if (selected === null || !lines.some((line) => line.number === selected)) return;
+      store.set({ pending: null, click: null });
       await server.act({ do: "remove", line: selected, index: click });
-      store.set({ click: null });
     },
 
     /** Take back the last click of the line that is being drawn; whether there was one. */

@@ -83,6 +83,7 @@
  * @property {number} photo
  * @property {Point[]} clicks
  * @property {boolean} snap
+ * @property {number | null} on The line that its first click fell on.
  */
 
 /** @typedef {{x: number, y: number, scale: number}} View World centre, and screen px per pixel. */
