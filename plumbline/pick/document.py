@@ -164,7 +164,7 @@ class Document(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     def acted(self, name: str, changes: Sequence[Change]) -> Document:
         """The document after an action; what was undone before cannot be done again."""
         action = Action(name, tuple(changes))
-        after = self._changed(action.changes)
+        after = self.changed(action.changes)
         highest = max((each.number for each in after.lines), default=0)
         return msgspec.structs.replace(
             after,
@@ -178,7 +178,7 @@ class Document(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         if not self.done:
             return self
         *rest, last = self.done
-        after = self._changed([each.reversed for each in last.changes])
+        after = self.changed([each.reversed for each in reversed(last.changes)])
         return msgspec.structs.replace(after, done=tuple(rest), undone=(*self.undone, last))
 
     def after_next(self) -> Document:
@@ -186,10 +186,17 @@ class Document(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         if not self.undone:
             return self
         *rest, following = self.undone
-        after = self._changed(following.changes)
+        after = self.changed(following.changes)
         return msgspec.structs.replace(after, done=(*self.done, following), undone=tuple(rest))
 
-    def _changed(self, changes: Iterable[Change]) -> Document:
+    def amended(self, change: Change) -> Document:
+        """The document after one more change that belongs to its last action."""
+        *before, last = self.done
+        action = Action(last.name, (*last.changes, change))
+        return msgspec.structs.replace(self.changed([change]), done=(*before, action))
+
+    def changed(self, changes: Iterable[Change]) -> Document:
+        """The document with other lines and the same history."""
         lines = {each.number: each for each in self.lines}
         for change in changes:
             if change.before is not None:

@@ -16,6 +16,7 @@ from plumbline.pick.editing import Edited, Editor, Tracer
 from plumbline.pick.events import Hub
 from plumbline.pick.judging import Judge
 from plumbline.pick.live import Fitted, fit_now, guide, warm_up
+from plumbline.pick.mending import mended
 from plumbline.pick.photos import LoadedPhoto
 from plumbline.pick.saving import Keeper
 from plumbline.pick.telling import told
@@ -98,12 +99,9 @@ class Session:
             edited = self._edited(request)
             saving: Future[None] | None = None
             if edited.document is not self.document:
-                self.document = edited.document
-                self._revision += 1
-                saving = self._saver.submit(self._save, self.document)
-                self.fitted = fit_now(self.document)
-                self._guide = self._guesser.submit(guide, self.document, self.fitted)
-                self._judge.ask(self._revision, self.document)
+                saving = self._take(edited.document)
+                if not isinstance(request, requests.Undo | requests.Redo):
+                    self._guesser.submit(self._mend, self._revision)
             if saving is not None:
                 saving.result()
             return self.state() | {
@@ -161,6 +159,31 @@ class Session:
         lens = None if self._guide is None else self._guide.result()
         return self._editor.edited(self.document, request, lens)
 
+    def _take(self, document: Document) -> Future[None]:
+        """Make a document the one that is shown, fitted and saved."""
+        self.document = document
+        self._revision += 1
+        saving = self._saver.submit(self._save, document)
+        self._fit()
+        return saving
+
+    def _fit(self) -> None:
+        self.fitted = fit_now(self.document)
+        self._guide = self._guesser.submit(guide, self.document, self.fitted)
+        self._judge.ask(self._revision, self.document)
+
+    def _mend(self, revision: int) -> None:
+        """Trace an odd line again, unless something else was done meanwhile."""
+        with self._lock:
+            document, fitted = self.document, self.fitted
+        change = mended(document, fitted, self._editor.tracer)
+        with self._lock:
+            if change is None or revision != self._revision:
+                return
+            self._take(document.amended(change)).result()
+            state = self.state()
+        self.hub.publish("state", state)
+
     def _refuse_reader(self, page: str) -> None:
         if not self._holder:
             self.take(page)
@@ -199,9 +222,7 @@ class Session:
 
     def _ready(self) -> None:
         with self._lock:
-            self.fitted = fit_now(self.document)
-            self._guide = self._guesser.submit(guide, self.document, self.fitted)
-            self._judge.ask(self._revision, self.document)
+            self._fit()
             state = self.state()
         self.hub.publish("state", state)
         warm_up(self.document.settings, self.photos[0].size)

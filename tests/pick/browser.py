@@ -38,7 +38,8 @@ class Driven:
     """One open page, and what it complained of."""
 
     def __init__(self, browser: Browser, server: Served, **how: Any) -> None:
-        self.context = browser.new_context(**({"viewport": {"width": 1280, "height": 720}} | how))
+        options: dict[str, Any] = {"viewport": {"width": 1280, "height": 720}} | how
+        self.context = browser.new_context(**options)
         self.page: Page = self.context.new_page()
         self.page.set_default_timeout(_PATIENCE_MS)
         self.complaints: list[str] = []

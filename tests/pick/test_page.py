@@ -77,11 +77,16 @@ def test_two_clicks_a_line_end_in_the_right_lens(
 ) -> None:
     with served(photo) as server:
         driven = Driven(browser, server, device_scale_factor=ratio)
-        for ends in edges(2.0):
+        wanted = edges(2.0)
+        while wanted:
+            ends = wanted.pop(0)
             for end in ends:  # zooming between the two clicks of a line
                 driven.zoom_to(end, notches)
                 driven.click(end)
                 driven.press("0")
+            if driven.page.locator("#reason").is_visible():  # it says why: try again later
+                driven.press("Escape")
+                wanted.append(ends)
         assert driven.clicks <= 30
         assert driven.lines() == 14
         assert off_truth_px(coefficients(server)) < WITHIN_PX

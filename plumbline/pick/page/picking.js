@@ -122,7 +122,9 @@ export function createPicking(store, server) {
     if (!enough) return;
     const told = await server.act({ do: "draw", photo: pending.photo, clicks: pending.clicks, snap: pending.snap });
     // Where no edge was found the clicks stay: one more may tell which edge is meant.
-    if ((told === null || told.refusal) && !store.get().pending) store.set({ pending });
+    if (!told?.refusal || store.get().pending) return;
+    const { reason } = store.get();
+    store.set({ pending, reason: reason && { ...reason, text: `${reason.text}. One more click along it may tell; Esc gives up` } });
   }
 
   return {
