@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 Point = tuple[float, float]
 
+DRAWN = {"do": "draw", "photo": 0, "clicks": [[1, 1]], "snap": False}
+
 WITHIN_PX = 0.3
 """What `find` and `snap` are to reach at worst on clean façades (corner error)."""
 
@@ -140,18 +142,18 @@ def test_dragging_deleting_extending_and_nudging(browser: Browser, photo: Path) 
         driven = Driven(browser, server)
         driven.press("f")
         free_line(driven, FREE)
-        start, goal = driven.place(FREE[1]), driven.place((950.0, 260.0))
+        start, goal = driven.place(FREE[1]), driven.place((950.0, 208.0))
         driven.page.mouse.move(*start)
         driven.page.mouse.down()
         driven.page.mouse.move(*goal, steps=4)
         driven.page.mouse.up()
         driven.settled()
         moved = server.state()["lines"][0]["clicks"][1]
-        assert moved == pytest.approx((950, 260), abs=3)
+        assert moved == pytest.approx((950, 208), abs=3)
         driven.press("Shift+ArrowRight")
         nudged = server.state()["lines"][0]["clicks"][1]
         assert nudged == pytest.approx((moved[0] + 0.1, moved[1]))
-        driven.click((1900.0, 190.0))  # beyond its end, where it goes on
+        driven.click((1900.0, 204.0))  # beyond its end, where it goes on
         assert len(server.state()["lines"][0]["clicks"]) == 4
         driven.click(FREE[0])
         driven.press("Delete")
@@ -222,10 +224,9 @@ def test_a_foreign_page_reads_nothing(browser: Browser, photo: Path) -> None:
         )
         assert shown == "refused"
         page.evaluate(
-            """u => fetch(u + "act", { method: "POST", mode: "no-cors",
-            body: '{"page": "x", "action": {"do": "draw", "photo": 0, "clicks": [[1, 1]],
-            "snap": false}}' }).catch(() => 0)""",
-            server.address,
+            """([u, body]) => fetch(u + "act", { method: "POST", mode: "no-cors", body })
+            .catch(() => 0)""",
+            [server.address, json.dumps({"page": "x", "action": DRAWN})],
         )
         assert server.state()["lines"] == []
         foreign.shutdown()
