@@ -41,14 +41,15 @@ def command(
     """Read, check, fit, check, print."""
     from rich.console import Console
 
-    from plumbline.cli.tools.check import as_dict, check_lenses
+    from plumbline.cli.tools.check import check_lenses
     from plumbline.reading.gathering import parts_of
     from plumbline.report.terminal.checks import print_checks, print_suspects
     from plumbline.report.terminal.summary import WideConsole, print_title
+    from plumbline.result.checked import as_dict
 
     options.refuse_unknown(model, {"--free": free, "--hold": hold})
     parts = parts_of(points, reading)
-    found = check_lenses(parts, model, free, hold or (), Console(stderr=True))
+    found = check_lenses(parts, Console(stderr=True), model=model, free=free, hold=hold or ())
     if as_json:
         import json
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import click
@@ -51,23 +49,10 @@ Examples:
 @options.bootstrap
 @options.reading
 @options.labelling
-@click.option(
-    "-o",
-    "--output",
-    multiple=True,
-    metavar="FILE",
-    help="Write this file (.pto, .xml or .json); may be given several times.",
-)
-@click.option(
-    "--report",
-    metavar="FILE",
-    help="Write a report: one HTML page with figures, tables and checksums.",
-)
+@options.results
 @options.plotting
 @options.overwriting
-@click.option("--json", "as_json", is_flag=True, help="Print the result as JSON.")
-@click.option("-v", "--verbose", is_flag=True, help="List every line, however many.")
-@click.option("-q", "--quiet", is_flag=True, help="Print only the finding and the files.")
+@options.printing
 def command(
     points: tuple[str, ...],
     model: str,
@@ -78,60 +63,25 @@ def command(
     robust: bool,
     snap: bool,
     bootstrap: int | None,
-    output: tuple[str, ...],
-    report: str | None,
-    plots: tuple[str, ...],
-    overwrite: bool,
-    as_json: bool,
-    verbose: bool,
-    quiet: bool,
-    **reading: Any,
+    **how: Any,
 ) -> None:
     """Read, fit, write, print."""
     from rich.console import Console
 
+    from plumbline.cli.tools.deliver import deliver, refuse_unclear
     from plumbline.cli.tools.fit import Wishes, fit_lenses
-    from plumbline.cli.tools.report import draw
-    from plumbline.errors import printable
-    from plumbline.files import refuse_unknown_suffix
     from plumbline.reading.gathering import parts_of
-    from plumbline.report.terminal.summary import WideConsole, print_summary
-    from plumbline.writing.beside import command_line, write_results
-    from plumbline.writing.results import RESULT_SUFFIXES, refuse_unsettled
 
     options.refuse_unknown(model, {"--free": free, "--hold": hold, "--start": start})
+    delivery = {name: how.pop(name) for name in options.DELIVERY}
     with options.wrong_call():
-        for target in output:
-            refuse_unknown_suffix(Path(target), RESULT_SUFFIXES, "results")
-        if report is not None or plots:
-            from plumbline.report.writing import check_targets
-
-            check_targets(report, plots)
+        refuse_unclear(delivery["output"], delivery["report"], delivery["plots"])
     wishes = Wishes(model, free, hold or (), start, residual, robust, bootstrap)
     narration = Console(stderr=True)
-    parts = parts_of(points, reading)
+    parts = parts_of(points, how)
     if snap:
         from plumbline.cli.tools.snap import snapped
 
-        parts = [each.observations for each in snapped(parts, reading["photo"], narration)]
+        parts = [each.observations for each in snapped(parts, how["photo"], narration)]
     made = fit_lenses(parts, wishes, narration)
-    calibrations = [replace(each, command=command_line()) for each in made]
-    refuse_unsettled(calibrations)
-    drawn: dict[Path, bytes] = {}
-    unseen: list[str] = []
-    if report is not None or plots:
-        drawn, unseen = draw(
-            calibrations, report, plots, narration, photo=reading["photo"], overwrite=overwrite
-        )
-    written, notes = write_results(calibrations, output, points[0], drawn, overwrite=overwrite)
-    notes += unseen
-    if as_json:
-        from plumbline.result.writing import to_json
-
-        click.echo(to_json(calibrations), nl=False)
-        for note in notes:
-            click.echo(f"Note: {printable(note)}.", err=True)
-        for path in written:
-            click.echo(f"Wrote {printable(str(path))}", err=True)
-        return
-    print_summary(WideConsole(), calibrations, written, notes, verbose=verbose, quiet=quiet)
+    deliver(made, points[0], narration, photo=how["photo"], **delivery)

@@ -10,10 +10,10 @@ import click
 from click.core import ParameterSource
 
 from plumbline.cli import option_types as types
+from plumbline.formats.known import POINT_FORMATS
 
 _F = TypeVar("_F", bound=Callable[..., Any])
 
-_FORMATS = "ptgui, pto, cvat, labelme, via, imagej, webplotdigitizer, winmorph, csv"
 _BOOTSTRAP = 50, 100_000
 """Limits of `fit.bootstrap`, repeated here since importing them would load JAX for `--help`."""
 _MOST_FOCAL_MM = 1e5
@@ -105,27 +105,26 @@ reading = stacked(
     ),
     click.option(
         "--format",
-        type=click.Choice(_FORMATS.split(", ")),
+        type=click.Choice(POINT_FORMATS),
         metavar="NAME",
-        help=f"Format of the points: {_FORMATS}.",
+        help=f"Format of the points: {', '.join(POINT_FORMATS)}.",
     ),
     click.option(
         "--grid",
         type=types.Pair(least=2),
         metavar="ROWSxCOLS",
-        help="One polyline holds a whole grid of that many rows and columns (WinMorph).",
+        help="The only line of the file holds a whole grid of that many rows and columns.",
     ),
     click.option(
         "--order",
         type=click.Choice(["raster", "zigzag"]),
         default="raster",
         show_default=True,
-        help="How that polyline runs: every row from the left, or back and forth.",
+        help="How that line runs: every row from the left, or back and forth.",
     ),
     click.option(
         "--pixel-aspect",
         type=types.Ratio(_MOST_PIXEL_ASPECT),
-        default=1.0,
         metavar="RATIO",
         help="Width of a pixel divided by its height, for video frames; 1 by default.",
     ),
@@ -235,3 +234,29 @@ plotting = click.option(
     "given several times.",
 )
 """Options of verbs that draw the figures of a calibration."""
+
+results = stacked(
+    click.option(
+        "-o",
+        "--output",
+        multiple=True,
+        metavar="FILE",
+        help="Write this file (.pto, .xml or .json); may be given several times.",
+    ),
+    click.option(
+        "--report",
+        metavar="FILE",
+        help="Write a report: one HTML page with figures, tables and checksums.",
+    ),
+)
+"""Options of verbs that fit a lens, for its files."""
+
+printing = stacked(
+    click.option("--json", "as_json", is_flag=True, help="Print the result as JSON."),
+    click.option("-v", "--verbose", is_flag=True, help="List every line, however many."),
+    click.option("-q", "--quiet", is_flag=True, help="Print only the finding and the files."),
+)
+"""Options of verbs that fit a lens, for what they print."""
+
+DELIVERY = ("output", "report", "plots", "overwrite", "as_json", "verbose", "quiet")
+"""Parameters of `results`, `plotting`, `overwriting` and `printing`."""

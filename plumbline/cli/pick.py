@@ -44,7 +44,7 @@ def command(sources: tuple[str, ...], no_browser: bool, port: int, **labels: Any
     """Open, serve, until stopped."""
     from plumbline.pick.opening import open_session
     from plumbline.pick.serving import serve
-    from plumbline.reading.gathering import labels_in
+    from plumbline.reading.gathering import labels_of
 
     def announce(address: str, opened: bool) -> None:
         click.echo(f"Picking at {address}")
@@ -52,4 +52,4 @@ def command(sources: tuple[str, ...], no_browser: bool, port: int, **labels: Any
             click.echo("No browser could be opened: open this address in one yourself.")
         click.echo("Ctrl-C stops; every action is saved.")
 
-    serve(open_session(sources, labels_in(labels)), port, announce, browser=not no_browser)
+    serve(open_session(sources, labels_of(labels)), port, announce, browser=not no_browser)

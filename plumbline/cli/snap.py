@@ -47,14 +47,14 @@ def command(
     from plumbline.cli.tools.snap import described, snapped
     from plumbline.errors import printable
     from plumbline.files import refuse_unknown_suffix
-    from plumbline.reading.gathering import gather
+    from plumbline.reading.points import read
     from plumbline.wording import count
     from plumbline.writing.results import POINT_SUFFIXES, points_bytes, write_points
 
     target = Path(output) if output else Path(points).with_suffix(".snapped.json")
     with options.wrong_call():
         refuse_unknown_suffix(target, POINT_SUFFIXES, "points")
-    observations = gather([points], image=image, **how)
+    observations = read([points], image=image, **how)
     points_bytes(observations, target, overwrite=overwrite)  # refuses before the work, not after
     made = snapped([observations], how["photo"], Console(stderr=True))[0]
     written = write_points(made.observations, target, overwrite=overwrite)

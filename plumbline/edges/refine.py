@@ -103,7 +103,7 @@ def refined(image: Light, guide: Guide, curve: Curve) -> Samples | None:
             moved = moved.moved(np.full(len(moved.across), profile.shift_px))
             strip = cut(image, moved, _REACH_PX, rows_for(moved), _PER_PX)
         kind = profile.kind
-        found = _measured(moved, strip, profile, window)
+        found = measured(moved, strip, profile, window)
         smooth = _robust_fit(found)
         if smooth is None:
             return None
@@ -111,7 +111,8 @@ def refined(image: Light, guide: Guide, curve: Curve) -> Samples | None:
     return found
 
 
-def _measured(guide: Guide, strip: Strip, profile: Profile, window_px: float) -> Samples:
+def measured(guide: Guide, strip: Strip, profile: Profile, window_px: float) -> Samples:
+    """Measure the edge in a strip along a guide, no farther from it than a window."""
     values, offset = answer(strip, profile.kind, profile.scale_px)
     near = np.abs(offset) <= window_px
     seen = np.where(near & peaks(values), values, -np.inf)

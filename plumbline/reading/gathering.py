@@ -1,18 +1,16 @@
-"""From files and flags to observations and written results: the verbs minus their parsing."""
+"""From files and the options of the verbs to the observations of each lens."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 from plumbline.errors import OptionError
-from plumbline.files import is_same
 from plumbline.frame import Frame
 from plumbline.observations import Observations
 from plumbline.observations.facts import LensFacts, checked_aspect_ratio
-from plumbline.reading.points import join, read
+from plumbline.reading.points import read
 
 _FACTS = {
     "maker": "maker",
@@ -34,15 +32,15 @@ def parts_of(sources: Sequence[str], options: Mapping[str, Any]) -> list[Observa
         options: Values of `options.reading` and of those of `options.labelling` that it takes.
 
     Raises:
-        PlumblineError: as `gather` and `split_by_lens`.
+        PlumblineError: as `read` and `split_by_lens`.
     """
-    labels = labels_in(options)
+    labels = labels_of(options)
     how = {name: value for name, value in options.items() if name not in _FACTS}
-    return split_by_lens(gather(sources, **how), labels)
+    return split_by_lens(read(sources, **how), labels)
 
 
-def labels_in(options: Mapping[str, Any]) -> dict[str, Any]:
-    """The values of `options.labelling` by the names of `LensFacts`, None where not given."""
+def labels_of(options: Mapping[str, Any]) -> dict[str, Any]:
+    """What `options.labelling` says of a lens, by the names of `LensFacts`."""
     return {fact: options.get(name) for name, fact in _FACTS.items()}
 
 
@@ -51,7 +49,7 @@ def labelled(facts: LensFacts, labels: Mapping[str, Any], frame: Frame) -> LensF
 
     Args:
         facts: What files tell.
-        labels: Of `labels_in`.
+        labels: Of `labels_of`.
         frame: The first photo's.
 
     Raises:
@@ -63,21 +61,6 @@ def labelled(facts: LensFacts, labels: Mapping[str, Any], frame: Frame) -> LensF
     if "aspect_ratio" in given:
         given["aspect_ratio"] = checked_aspect_ratio(given["aspect_ratio"], frame)
     return replace(facts, **given)
-
-
-def gather(sources: Sequence[str], image: int | None, **how: Any) -> Observations:
-    """Read one or several files of points, of each only photo number `image` if it is given.
-
-    Raises:
-        OptionError: a file is named twice, there is no such photo, or it has no lines.
-    """
-    for index, source in enumerate(sources):
-        if any(is_same(Path(source), other) for other in sources[:index]):
-            raise OptionError(
-                f"{source}: this file is named twice, and its points would count twice",
-                hint="name each file once",
-            )
-    return join([read(source, image=image, **how) for source in sources])
 
 
 def split_by_lens(observations: Observations, labels: Mapping[str, Any]) -> list[Observations]:

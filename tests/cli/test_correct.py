@@ -392,3 +392,13 @@ def test_a_corrected_photo_may_be_distorted(tmp_path: Path) -> None:
     assert "bends it again" in plumb(tmp_path, "correct", "b.jpg", *PTLENS).stderr
     for more in ((), ("--map", "m.npz")):
         assert plumb(tmp_path, "correct", "b.jpg", *PTLENS, "--inverse", *more).stderr == ""
+
+
+@pytest.mark.parametrize("inverse", [["--inverse"], []])
+def test_points_beyond_the_fold_are_refused_either_way(tmp_path: Path, inverse: list[str]) -> None:
+    """r (1 − b + b r²) with b = −0.4 turns back at r = 1.08 half shorter sides."""
+    (tmp_path / "p.csv").write_text("line,x,y\na,10,1000\na,1500,1000\na,3000,1000\n")
+    fold = ("--ptlens", "a=0,b=-0.4,c=0", "--size", "3001x2001")
+    result = plumb(tmp_path, "correct", "--points", "p.csv", *fold, *inverse, status=1)
+    assert "folds before it reaches 2 of the points" in result.stderr
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["p.csv"]
