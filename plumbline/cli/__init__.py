@@ -18,6 +18,7 @@ from plumbline.errors import PlumblineError, printable
 from plumbline.wording import spelt
 
 VERBS = {
+    "pick": "Pick lines on a page in the browser, with the fit running while you click.",
     "fit": "Find the distortion that makes picked lines straight.",
     "snap": "Move picks onto the photograph's edges, to a small part of a pixel.",
     "board": "Calibrate from photographs of a chequerboard.",
