@@ -113,6 +113,7 @@ def with_exif(facts: LensFacts, pictures: Sequence[PhotoFacts], notes: list[str]
     """
     if not pictures:
         return facts
+    notes += dict.fromkeys(note for picture in pictures for note in picture.notes)
     focals = {picture.name: picture.facts.focal_mm for picture in pictures}
     known = [focal for focal in focals.values() if focal]
     if known and max(known) / min(known) - 1 > ONE_FOCAL_LENGTH:

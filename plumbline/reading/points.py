@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path, PurePath
 
 from plumbline.errors import OptionError
@@ -15,6 +15,7 @@ from plumbline.formats.known import format_of
 from plumbline.formats.units import in_pixels
 from plumbline.observations import Observations, Origin, Photo
 from plumbline.photos.exif import PhotoFacts, read_photo
+from plumbline.photos.identity import identity_of
 from plumbline.reading.joining import join
 from plumbline.reading.photo import agreed_size, note_on_orientation, photo_beside, with_exif
 
@@ -84,7 +85,7 @@ def read(
         raw = _chosen(source, row.read(source, ReadOptions(known, grid, order)), image)
         if grid is None and not singly:
             refuse_all_as_one(source, raw)
-        part = _with_photos(source, raw, shot, size, pixel_aspect)
+        part = _with_photos(source, raw, photo, shot, size, pixel_aspect)
         if not singly:
             part = in_pixels(source, part)
         part = replace(part, origins=(Origin(str(file), row.name, content),))
@@ -96,6 +97,7 @@ def read(
 def _with_photos(
     source: Source,
     raw: Observations,
+    path: str | Path | None,
     shot: PhotoFacts | None,
     size: tuple[int, int] | None,
     pixel_aspect: float | None,
@@ -105,7 +107,8 @@ def _with_photos(
     Args:
         source: The file.
         raw: What it holds.
-        shot: The photo that the user names.
+        path: The photo that the user names.
+        shot: What it says of itself.
         size: The photo's size that the user gives.
         pixel_aspect: The pixel aspect that the user gives.
     """
@@ -128,6 +131,8 @@ def _with_photos(
         aspect = each.pixel_aspect if pixel_aspect is None else pixel_aspect
         photos.append(replace(each, size=agreed, name=name, pixel_aspect=aspect))
         if picture and index in with_lines:
+            file = path if picture is shot and path else Path(source.path).parent / picture.name
+            photos[-1] = replace(photos[-1], **asdict(identity_of(file)))
             pictures.setdefault(each.lens, []).append(picture)
             notes += [n for n in note_on_orientation(picture, agreed) if n not in notes]
     lenses = [with_exif(f, pictures.get(i, []), notes) for i, f in enumerate(raw.lenses)]
