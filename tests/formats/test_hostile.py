@@ -256,7 +256,7 @@ def test_only_one_format_claims_a_sample(name: str) -> None:
         assert claims == expected
 
 
-SIZE = 2**19
+SIZE = 2**17
 LARGE = {
     "zeros": b"\0",
     "line ends": b"\n",
