@@ -68,7 +68,7 @@ class Photo:
         size = self.frame.size if self.size is None else tuple(self.size)
         if len(size) != 2:
             raise OptionError(
-                f"{where}the size {size}{name} is no width and height",
+                f"{where}the size {size}{name} is not a width and a height",
                 hint="give two whole numbers of pixels",
             )
         width, height = size

@@ -101,7 +101,7 @@ def test_the_only_attribute_names_the_line() -> None:
         (HEADER + 'a.jpg,1,"{}",1,0,"{""name"":""polyline""}","{}"\n', "'all_points_x'", 2),
         (TABLE.replace("[20,21]", "[20]"), "2 x and 1 y", 2),
         (TABLE.replace("[20,21]", "[20,null]"), "missing where a number", 2),
-        (TABLE.replace("[20,21]", "[20,1e999]"), "no finite number", 2),
+        (TABLE.replace("[20,21]", "[20,1e999]"), "not a finite number", 2),
         (HEADER + 'a.jpg,1,"{}",1,0,"{', "quotation mark", 2),
         (project(), "no line", None),
         (project(region("rect")), "no line of points but 1 × rect", None),

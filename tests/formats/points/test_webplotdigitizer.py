@@ -68,7 +68,7 @@ def test_empty_datasets_are_named_in_a_note() -> None:
         ("a,b,c,d\nX,Y,X,Y\n1,2,3,4\n", "names of the first row", 1),
         ("a,,b,\nX,Y,X,Y\n1,2,3,\n", "''", 3),
         ("a,,b,\nX,Y,X,Y\n1,2,3\n", "''", 3),
-        ("a,\nX,Y\n1,2\nNaN,2\n", "no finite number", 4),
+        ("a,\nX,Y\n1,2\nNaN,2\n", "not a finite number", 4),
         ("a,\nX,Y\n1,2,3\n", "more columns", 3),
         ("a,\nX,Y\n1,b\n", "'b'", 3),
         ("a,\nX,Y\n\n", "no line", None),
