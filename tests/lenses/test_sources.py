@@ -18,7 +18,6 @@ from plumbline.lenses.request import LensRequest
 from plumbline.models import get_model
 from plumbline.observations.facts import LensFacts
 from plumbline.photos.exif import PhotoFacts
-from plumbline.result.writing import to_json
 from plumbline.writing.files import export_file
 from plumbline.writing.zoom import read_zoom_lens
 from tests.lenses.made import calibration, saved
@@ -126,7 +125,7 @@ class TestResult:
         path = tmp_path / "r.json"
         one = calibration(b=-0.02, name="one.jpg", focal_mm=None)
         two = calibration(b=-0.04, name="two.jpg", focal_mm=None)
-        path.write_text(to_json([one, two]))
+        saved(path, one, two)
         found = find_correction(shot(name="TWO.JPG"), LensRequest(source=str(path)))
         same(found.distort(POINTS), two.lens.distort(POINTS))
         first = find_correction(shot(name="x.jpg"), LensRequest(source=str(path)))
@@ -136,7 +135,7 @@ class TestResult:
     def test_of_several_the_one_at_the_focal_length(self, tmp_path: Path) -> None:
         path = tmp_path / "r.json"
         one, two = calibration(b=-0.02, focal_mm=8.2), calibration(b=-0.04, focal_mm=12.0)
-        path.write_text(to_json([one, two]))
+        saved(path, one, two)
         found = find_correction(shot(focal_mm=12.1), LensRequest(source=str(path)))
         same(found.distort(POINTS), two.lens.distort(POINTS))
 

@@ -163,4 +163,6 @@ def _bent(seen: _Seen, bend: Array) -> Picks:
     ideal = seen.observed / (1 + c[0] * r2 + c[1] * r2**2)[:, None]
     slopes = get_model("division").stretch(seen.observed, ideal, c)
     one, line = np.zeros(len(r2), dtype=np.int64), line_numbers(seen.sizes)
-    return Picks(Ideal(ideal * seen.unit_px, slopes), seen.sizes, line, one, np.array([1]))
+    return Picks(
+        Ideal(ideal * seen.unit_px, slopes), seen.sizes, line, one, np.array([1]), np.zeros(1)
+    )
