@@ -27,7 +27,7 @@ _LENS_INFO = re.compile(rb"LensInfo\s*(?:=\s*[\"']|>)\s*(\d{1,9})/(\d{1,9}) (\d{
 _XMP_LENS = re.compile(
     rb"(?:exifEX:LensModel|aux:Lens)\s*(?:=\s*[\"']|>(?:\s*<rdf:Alt>\s*<rdf:li[^>]*>)?)([^\"'<]{3,200})"
 )
-_TAKEN, _CHANGED, _SERIAL_NUMBER = 0x9003, 0x0132, 0xA431
+_TAKEN, _CHANGED = 0x9003, 0x0132
 _NO_LENS = ("none", "unknown", "no lens", "dt 0.0mm f0.0 sam")
 
 _MM_PER_UNIT = {2: 25.4, 3: 10.0, 4: 1.0}
@@ -50,7 +50,6 @@ class PhotoFacts:
             tell it.
         lens_told_by: Who names the lens, where it is not EXIF itself; else empty.
         taken: EXIF's date and time, as it stands there; may be empty.
-        serial_number: Of the camera; may be empty.
         history: What programs wrote of themselves, joined; may be empty.
         profile_applied: Whether XMP says that a lens profile was applied in developing.
         digital_zoom: By how much the camera enlarged the middle of what it saw; None if it did not.
@@ -75,7 +74,6 @@ class PhotoFacts:
     not_in_camera: str = ""
     lens_told_by: str = ""
     taken: str = ""
-    serial_number: str = ""
     notes: tuple[str, ...] = ()
 
     @property
@@ -137,7 +135,6 @@ def read_photo(path: str | Path, *, remedy: str = "") -> PhotoFacts:
         not_in_camera=told.uncorrected,
         lens_told_by=told_by,
         taken=_text(tags, _TAKEN) or _text(tags, _CHANGED),
-        serial_number=_text(tags, _SERIAL_NUMBER),
         notes=notes,
     )
 
