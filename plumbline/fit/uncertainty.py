@@ -17,6 +17,8 @@ from plumbline.models import Model
 from plumbline.trust.linearised import Linearised
 
 _RADII, _STEP = 12, 1e-6
+"""Radii up to the corner, and the step of a difference: chosen; a curve has no more bends, and
+the step leaves ten digits."""
 
 
 class Unit(NamedTuple):

@@ -23,6 +23,7 @@ from plumbline.observations import Observations
 from plumbline.trust.nuisances import Nuisances
 
 _SINGULAR = 1e-12
+"""Smallest eigenvalue of a balanced normal matrix that is not rounding."""
 
 
 @dataclass(frozen=True, eq=False)

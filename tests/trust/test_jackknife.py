@@ -67,11 +67,11 @@ def richer_px(made: plumbline.Calibration, other: plumbline.Calibration) -> floa
 @pytest.mark.parametrize(
     ("model", "free", "richer", "names"),
     [
-        ("poly3", ("k1",), "ptlens", "r^1 and r^3"),
-        ("ptlens", ("b",), "ptlens", "r^3 and r^1"),
-        ("radial:2,4", ("a2", "a4"), "radial:2,4,6", "r^6"),
-        ("radial:1,2,3", ("a1", "a2"), "radial:1,2,3", "r^3"),
-        ("brown", ("k1", "k2"), "radial:2,4,6", "r^6"),
+        ("poly3", ("k1",), "ptlens", "r and r³"),
+        ("ptlens", ("b",), "ptlens", "r³ and r"),
+        ("radial:2,4", ("a2", "a4"), "radial:2,4,6", "r⁶"),
+        ("radial:1,2,3", ("a1", "a2"), "radial:1,2,3", "r³"),
+        ("brown", ("k1", "k2"), "radial:2,4,6", "r⁶"),
     ],
 )
 def test_the_models_error_is_that_of_a_richer_fit(

@@ -87,7 +87,7 @@ def test_a_line_that_is_needed_is_said() -> None:
 def test_a_model_that_cannot_follow_the_lens_is_said() -> None:
     check = checked(calibrate(picked(BARREL, noise_px=0.1), free=("b",)))["model"]
     assert not check.passed
-    assert "with r^3 and r^1" in check.finding
+    assert "with r³ and r" in check.finding
     assert "plumbline compare" in check.remedy
 
 

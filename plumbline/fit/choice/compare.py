@@ -32,7 +32,9 @@ from plumbline.trust.picked import picked_range_px
 from plumbline.wording import listed
 
 _GRID = 17
+"""Points along a side of the photo: chosen, as for the range of the picks."""
 _MOST_NAMED = 3
+"""Chosen, because a sentence that names more is not read."""
 _FINEST_PX = 0.001
 """Residuals below this are rounding, and no reason to prefer a model."""
 

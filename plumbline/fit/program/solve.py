@@ -15,6 +15,7 @@ BATCH = 16
 """Problems that `solve_many` takes in one program."""
 
 _FEW = 4
+"""Problems that are quicker one by one than in a batch of 16: chosen."""
 
 
 _ELSEWHERE = tuple((x, y) for x in (-0.4, 0.4) for y in (-0.3, 0.3))
