@@ -21,6 +21,7 @@ from plumbline.trust.displacement import (
     grid_px,
     motions,
 )
+from plumbline.trust.edges import edges_of
 from plumbline.trust.jackknife import Jackknife, jackknife
 from plumbline.trust.linearised import Linearised, in_frame, linearise
 from plumbline.trust.missed import Step, is_clear, nuisance_step, steps_of
@@ -124,7 +125,12 @@ class Assessment:
     @cached_property
     def jackknife(self) -> Jackknife | None:
         """How much the result depends on each line; None where it needs one of them."""
-        return jackknife(self.linearised)
+        return jackknife(self.linearised, self.edges)
+
+    @cached_property
+    def edges(self) -> NDArray[np.int64]:
+        """The edge of each line, as the number of the first line along it, shape (l,)."""
+        return edges_of(self.lens, self.observations, self.sigma_px)
 
     @cached_property
     def model_error(self) -> ModelError | None:
@@ -153,7 +159,12 @@ class Assessment:
             return None
         k = len(self.free)
         return steadiness(
-            self.linearised, self._moved[..., :k], np.max(own), np.max(wide), self.dof
+            self.linearised,
+            self.edges,
+            self._moved[..., :k],
+            float(np.max(own)),
+            float(np.max(wide)),
+            self.dof,
         )
 
     @property

@@ -15,7 +15,7 @@ from plumbline.trust.next_line import next_line
 from plumbline.trust.nuisances import DECENTRING, RADIAL
 from plumbline.trust.straightness import straightness_before
 from plumbline.trust.suspect import Suspect
-from plumbline.wording import count, listed, px, signed
+from plumbline.wording import count, joined, listed, px, signed
 
 _CONDITION = 300.0
 """Condition number of the balanced Jacobian from which on coefficients can hardly be told apart:
@@ -50,6 +50,7 @@ def after_fit(trust: Assessment) -> tuple[Check, ...]:
         _model(trust),
         centre_check(trust),
         _worse_lines(trust),
+        _same_edges(trust),
         suspects_check(trust.suspects, trust.observations.n_points, robust=trust.robust),
     )
     return tuple(check for check in found if check is not None)
@@ -188,6 +189,25 @@ def _worse_lines(trust: Assessment) -> Check | None:
         False,
         f"the correction makes {count(len(labels), 'line')} less straight: {told}",
         "look whether their picks lie on one edge each, and compare the models",
+    )
+
+
+def _same_edges(trust: Assessment) -> Check | None:
+    """Lines that run along one edge."""
+    first, times = np.unique(trust.edges, return_counts=True)
+    if not np.any(times > 1):
+        return None
+    labels = [line.label for line in trust.observations.lines]
+    told = [
+        joined([labels[line] for line in np.flatnonzero(trust.edges == edge).tolist()])
+        for edge in first[times > 1].tolist()
+    ]
+    return Check(
+        "edges",
+        True,
+        f"picked more than once along one edge: lines {listed(told)}; their picks count as further "
+        "measurements, and the jackknife leaves them out together",
+        doubtful=True,
     )
 
 
