@@ -34,7 +34,8 @@ def edges_of(lens: Lens, observations: Observations, sigma_px: float) -> NDArray
     sizes = observations.sizes
     ideal = lens.undistort_or_nan(np.concatenate(in_frame(observations, lens.frame)))
     points = lens.frame.normalise(ideal, 1.0)
-    lines = fit_lines(points, sizes, np.isfinite(points).all(axis=1).astype(np.float64))
+    known: Array = np.where(np.isfinite(points).all(axis=1), 1.0, 0.0)
+    lines = fit_lines(points, sizes, known)
     along, _ = lines.place(points, line_numbers(sizes))
     starts = np.cumsum(sizes) - sizes
     along = np.where(np.isfinite(along), along, 0.0)

@@ -116,7 +116,7 @@ def _steady(trust: Assessment) -> Check | None:
     )
     if not steady.alarmed:
         return Check("line by line", True, told)
-    if trust.unlike(RADIAL) or trust.unlike(DECENTRING):
+    if trust.besides.unlike(RADIAL) or trust.besides.unlike(DECENTRING):
         return Check("line by line", True, f"{told}; the model is the likelier reason", "", True)
     remedy = "edges are not quite straight, or few lines carry the result; the error to quote knows"
     return Check("line by line", False, told, remedy)
@@ -131,7 +131,7 @@ def _model(trust: Assessment) -> Check | None:
         f"{px(more.largest_px)} (± {px(more.error_px)})"
     )
     alone = more.largest_px > max(_SIGNIFICANT * more.error_px, _MATTERS_PX)
-    if alone or trust.unlike(RADIAL):
+    if alone or trust.besides.unlike(RADIAL):
         return Check(
             "model",
             False,
@@ -150,8 +150,8 @@ def centre_check(trust: Assessment) -> Check | None:
     held = trust.nuisances.centre
     if len(held) < len(CENTRE):
         return None
-    step = trust.centre_step
-    if step is None or not trust.unlike(DECENTRING):
+    step = trust.besides.centre_step
+    if step is None or not trust.besides.unlike(DECENTRING):
         return Check("centre", True, "the picks do not contradict the distortion centre")
     spread = trust.nuisances.spreads[: len(held)]
     k = step.n_free

@@ -107,8 +107,9 @@ def compare(
 def _quoting(candidate: Candidate) -> Candidate:
     """The row with the one error to quote, that of its fit."""
     quoted = None if candidate.calibration is None else candidate.calibration.quoted
-    known = quoted is not None and candidate.aicc is not None
-    return replace(candidate, overall_error_px=quoted.worst_px if known else None)
+    if quoted is None or candidate.aicc is None:
+        return replace(candidate, overall_error_px=None)
+    return replace(candidate, overall_error_px=quoted.worst_px)
 
 
 def _believed(observations: Observations) -> Observations:
