@@ -73,7 +73,7 @@ def command(
     from plumbline.reading.gathering import parts_of
 
     options.refuse_unknown(model, {"--free": free, "--hold": hold, "--start": start})
-    delivery = {name: how.pop(name) for name in options.DELIVERY}
+    delivery = options.delivery(how)
     with options.wrong_call():
         refuse_unclear(delivery["output"], delivery["report"], delivery["plots"])
     wishes = Wishes(model, free, hold or (), start, residual, robust, bootstrap)

@@ -17,12 +17,13 @@ from plumbline.fit.refusals import (
     refuse_undetermined,
     refuse_unobservable,
 )
-from plumbline.fit.uncertainty import corner_errors, sandwich, unit_covariances
+from plumbline.fit.uncertainty import corner_errors
 from plumbline.frame import Array
 from plumbline.geometry.lens import Lens
 from plumbline.geometry.lines import by_line
 from plumbline.models import CENTRE
 from plumbline.result.calibration import Calibration
+from plumbline.trust.covariance import sandwich, unit_covariances
 
 _SETTLED_PX = 1e-4
 """Change of all residuals together by the last step: chosen, since nobody sees it."""

@@ -536,7 +536,11 @@ def test_a_missing_file(run: Run) -> None:
         (image() + points(grid()), ("--size", "800x400"), "bad.pto: contradictory sizes"),
         (image() + points(grid()), ("--format", "csv"), "bad.pto"),
         (image() + points(grid()), ("--photo", "none.jpg"), "none.jpg: there is no such photo"),
-        (image() + points(grid()), ("--photo", "bad.pto"), "bad.pto: this is no picture that can"),
+        (
+            image() + points(grid()),
+            ("--photo", "bad.pto"),
+            "bad.pto: this is not a picture that can",
+        ),
         (image() + points(grid()), ("--aspect-ratio", "4:3"), "the aspect ratio 1.333 contradicts"),
     ],
 )

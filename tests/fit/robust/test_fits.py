@@ -14,7 +14,7 @@ from plumbline.errors import DegenerateLinesError
 from plumbline.fit.bootstrap import bootstrap
 from plumbline.observations import Line, Photo
 from plumbline.result.calibration import Calibration
-from plumbline.result.reading import from_json
+from plumbline.result.files import consistent_results
 from plumbline.result.writing import to_json
 from plumbline.trust.assessment import ResidualKind
 from tests.fit.test_calibrate import ACTION_CAMERAS, MILD, picked
@@ -288,7 +288,7 @@ def test_a_line_with_more_wrong_than_right_picks_is_no_line() -> None:
     # They are measured from a line of their own.
     assert 20 < made.lines[10].rms_after_px < 90
     assert made.lines[10].n_points == 0
-    (back,) = from_json(to_json([made]), "x.json")
+    (back,) = consistent_results(to_json([made]), "x.json")
     assert left_out(back) == left_out(made)
     assert back.suspects == made.suspects
 
@@ -314,7 +314,7 @@ def test_the_least_that_can_be_fitted() -> None:
     assert made.intervals["b"][1] - made.intervals["b"][0] == pytest.approx(
         2 * 12.706204736 * made.standard_errors["b"], rel=1e-9
     )
-    assert from_json(to_json([made]), "x.json")[0].notes == made.notes
+    assert consistent_results(to_json([made]), "x.json")[0].notes == made.notes
     with pytest.raises(DegenerateLinesError):
         calibrate(observed([line[[0, 5, 11]]]), free=("b",), robust=True)
 
@@ -360,7 +360,7 @@ def test_a_stray_beyond_the_fold_is_left_out_and_has_no_residual() -> None:
     again = bootstrap(made, 50)
     assert again.bootstrap is not None
     assert again.bootstrap.failed == 0
-    (back,) = from_json(to_json([again]), "x.json")
+    (back,) = consistent_results(to_json([again]), "x.json")
     assert back.residuals_px[3][11] == np.inf
     assert back.suspects == made.suspects
     assert to_json([back]) == to_json([again])

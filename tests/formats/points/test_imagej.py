@@ -98,7 +98,7 @@ def test_xy_coordinates() -> None:
         (" ,X,Y,Group\n1,1,x,1\n2,3,4,2\n", "'x'"),
         (" ,X,Y,Group\n1,1,NaN,1\n2,3,4,2\n", "no finite number"),
         (" ,Group,X,Y\n1,1,5\n2,2,3,4\n", "no X or Y"),
-        (" ,Area,Mean\n1,2,3\n", "columns X and Y are missing"),
+        (" ,Area,Mean\n1,2,3\n", "has no columns X and Y"),
         (" ,X,Y,Group\n" + "1,1,2,3\n" * 3_000_000, "no Results table"),
     ],
 )
