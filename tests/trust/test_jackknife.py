@@ -42,7 +42,9 @@ def test_edges_that_bend_show_in_the_jackknife_alone() -> None:
     assert sure is not None
     assert wide.worst_px > 1.5 * sure.worst_px
     assert made.quotes_jackknife
-    assert made.quoted_displacement is wide
+    assert made.quoted is not None
+    assert made.trust.steadiness is not None
+    assert made.quoted.worst_px > made.trust.steadiness.own_px
     assert any("leaving out one line" in note for note in made.notes)
 
 
