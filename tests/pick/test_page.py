@@ -92,7 +92,7 @@ def test_two_clicks_a_line_end_in_the_right_lens(
         assert driven.clicks <= 30
         assert driven.lines() == 14
         assert off_truth_px(coefficients(server)) < WITHIN_PX
-        driven.press("Control+s")
+        driven.page.keyboard.press("Control+s")
         driven.page.wait_for_selector("#sheet code", timeout=180_000)
         written = {Path(each).name for each in driven.page.locator("#sheet code").all_inner_texts()}
         assert {"facade.fit.pto", "facade.fit.xml", "facade.fit.html"} <= written

@@ -5,7 +5,8 @@ import { paintLoupe, paintStrip, prepared } from "./closeups.js";
 import { find, px } from "./dom.js";
 import { paintMap } from "./errormap.js";
 import { apply, distance } from "./geometry.js";
-import { paint, paintGuide, penFor } from "./paint.js";
+import { paint, paintGuide } from "./paint.js";
+import { penFor } from "./pen.js";
 import { Tiles } from "./tiles.js";
 
 /** @typedef {import("./store.js").Store} Store */
