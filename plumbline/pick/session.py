@@ -55,6 +55,7 @@ class Session:
         self._holder = ""
         self._pages: set[str] = set()
         self._unsaved = ""
+        self._warm = False
         self._changed_photos = ""
         self._judgement: dict[str, Any] = {}
         self._lock = threading.RLock()
@@ -147,6 +148,7 @@ class Session:
                 "judgement": self._judgement,
                 "notes": [printable(note) for note in self._notes],
                 "holder": self._holder,
+                "ready": self._warm,
             }
 
     def take(self, page: str) -> None:
@@ -226,6 +228,7 @@ class Session:
             state = self.state()
         self.hub.publish("state", state)
         warm_up(self.document.settings, self.photos[0].size)
+        self._warm = True
         self.hub.publish("ready", True)
 
     def _judged(self, revision: int, judgement: dict[str, Any]) -> None:

@@ -1,4 +1,4 @@
-"""The page's own files: small, without foreign parts, checked by tsc and eslint if they are there."""
+"""The sources of the page: small, nothing foreign, checked by tsc and eslint if these are there."""
 
 from __future__ import annotations
 

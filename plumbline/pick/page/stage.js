@@ -47,7 +47,8 @@ export function createStage(store) {
     }
     photoStale = overlayStale = false;
     const { x, y, scale } = state.view;
-    Object.assign(stage.dataset, { drawn: String(state.revision), view: `${x} ${y} ${scale}` });
+    Object.assign(stage.dataset, { drawn: String(state.revision), view: `${x} ${y} ${scale}`,
+      ready: state.ready ? "yes" : "no", judged: String(state.judgement.revision ?? "") });
     stage.dataset.settled = String(tiles.settled);
   }
 
