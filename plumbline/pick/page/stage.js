@@ -73,11 +73,16 @@ export function createStage(store) {
     const m = matrix(state.view, size(), ratio);
     const pen = penFor(context, state, m, ratio);
     paint(pen, state);
-    if (state.guide) {
-      paintGuide(pen, [apply(m, state.guide[0]), apply(m, state.guide[1])]);
-      const [a, b] = state.guide;
-      find("guide-note", HTMLElement).textContent = `guide: ${px(distance(a, b))} long`;
-    } else find("guide-note", HTMLElement).textContent = "";
+    if (state.guide) paintGuide(pen, [apply(m, state.guide[0]), apply(m, state.guide[1])]);
+    find("view-note", HTMLElement).textContent = noteOf(state);
+  }
+
+  /** @param {State} state */
+  function noteOf({ guide, show, settings, judgement }) {
+    const goal = settings.goal_px;
+    return [guide ? `guide: ${px(distance(...guide))} long` : "",
+      show.map && judgement.map && !show.corrected ? `error: dark ${px(goal / 2)} or less, yellow ${px(goal * 4)} or more` : "",
+    ].filter(Boolean).join("; ");
   }
 
   store.subscribe((state, before) => {
