@@ -71,7 +71,9 @@ def _odd(
     tried = [lines[index] for index in bent.tolist() if lines[index].snapped]
     fits = [(line, fit_now(_without(document, line)).made) for line in tried]
     known = [(line, rest) for line, rest in fits if rest is not None]
-    return min(known, key=lambda each: each[1].sigma_px, default=(None, None))
+    if not known:
+        return None, None
+    return min(known, key=lambda each: each[1].sigma_px)
 
 
 def _fits(better: Calibration, before: Calibration) -> bool:

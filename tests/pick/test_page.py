@@ -83,6 +83,7 @@ def test_two_clicks_a_line_end_in_the_right_lens(
 ) -> None:
     with served(photo) as server:
         driven = Driven(browser, server, device_scale_factor=ratio)
+        driven.press("p")  # without what is proposed
         wanted = edges(scatter_px)
         while wanted:
             ends = wanted.pop(0)
@@ -104,6 +105,26 @@ def test_two_clicks_a_line_end_in_the_right_lens(
         assert {"facade.fit.pto", "facade.fit.xml", "facade.fit.html"} <= written
         assert all((photo.parent / name).stat().st_size for name in written)
         assert driven.complaints == []
+
+
+def test_proposals_are_taken_at_a_key(browser: Browser, photo: Path) -> None:
+    with served(photo) as server:
+        driven = Driven(browser, server)
+        for _ in range(600):
+            proposals = server.state()["proposals"]
+            if proposals:
+                break
+            driven.page.wait_for_timeout(200)
+        assert len(proposals) >= 8
+        middle = proposals[0]["points"][len(proposals[0]["points"]) // 2]
+        driven.click((middle[0], middle[1]))
+        assert driven.lines() == 1
+        driven.press("Control+Enter")
+        assert driven.lines() == len(proposals)
+        assert off_truth_px(coefficients(server)) < WITHIN_PX
+        driven.press("Control+z", "Control+z")
+        assert driven.lines() == 0
+        assert len(server.state()["proposals"]) == len(proposals)
 
 
 def free_line(driven: Driven, points: list[Point]) -> None:
