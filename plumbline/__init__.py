@@ -39,6 +39,9 @@ if TYPE_CHECKING:
         calibrate as calibrate,
         calibrate_many as calibrate_many,
     )
+    from plumbline.fit.check import (
+        check as check,
+    )
     from plumbline.fit.choice.compare import (
         compare as compare,
     )
@@ -75,12 +78,17 @@ if TYPE_CHECKING:
     from plumbline.observations.facts import (
         LensFacts as LensFacts,
     )
-    from plumbline.reading.points import (
+    from plumbline.reading.joining import (
         join as join,
+    )
+    from plumbline.reading.points import (
         read as read,
     )
     from plumbline.result.calibration import (
         Calibration as Calibration,
+    )
+    from plumbline.result.checked import (
+        Checked as Checked,
     )
     from plumbline.result.comparison import (
         Candidate as Candidate,
@@ -117,6 +125,7 @@ _HOMES = {
     ),
     "plumbline.fit.bootstrap": ("bootstrap",),
     "plumbline.fit.calibrate": ("calibrate", "calibrate_many"),
+    "plumbline.fit.check": ("check",),
     "plumbline.fit.choice.compare": ("compare",),
     "plumbline.formats.known": ("FORMATS",),
     "plumbline.frame": ("Frame",),
@@ -126,8 +135,10 @@ _HOMES = {
     "plumbline.models": ("MODELS", "get_model"),
     "plumbline.observations": ("Line", "Observations", "Photo"),
     "plumbline.observations.facts": ("LensFacts",),
-    "plumbline.reading.points": ("join", "read"),
+    "plumbline.reading.joining": ("join",),
+    "plumbline.reading.points": ("read",),
     "plumbline.result.calibration": ("Calibration",),
+    "plumbline.result.checked": ("Checked",),
     "plumbline.result.comparison": ("Candidate", "Comparison"),
     "plumbline.result.files": ("read_calibration", "read_calibrations"),
     "plumbline.trust.check": ("Check",),

@@ -22,7 +22,10 @@ def joined(items: Sequence[str], word: str = "and") -> str:
 
 
 def px(length: float) -> str:
-    """A length with two significant digits: "0.58 px", "1.0 px", "12 px", "1,230 px"."""
+    """A length with two significant digits: "0.58 px", "1.0 px", "12 px", "1,230 px".
+
+    From 10 px on all whole pixels are shown, since rounding those away would look like an error.
+    """
     if abs(length) >= 10:
         return f"{length:,.0f} px"
     return f"{length:#.2g} px"

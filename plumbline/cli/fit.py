@@ -10,10 +10,10 @@ from plumbline.cli import option_types, options
 
 _HELP = """Find the distortion that makes picked lines straight.
 
-POINTS is a Hugin project with straight-line control points, a CSV of line,x,y, or what a viewer
-exports. Several files are photos of one lens, fitted together. The result goes beside the first
-input, as a Hugin project (building.fit.pto) and a LensFun profile (building.fit.xml), unless -o
-names others.
+POINTS is a Hugin project with straight-line control points, a CSV of line,x,y, or a viewer's
+export. Several files are taken as photos of one lens and fitted together. The result goes beside
+the first input, as a Hugin project (building.fit.pto) and a LensFun profile (building.fit.xml),
+unless -o names other files.
 
 \b
 Examples:
@@ -26,9 +26,7 @@ Examples:
 """
 
 
-@click.command(
-    "fit", help=_HELP, short_help="Find the distortion that makes picked lines straight."
-)
+@click.command("fit", help=_HELP)
 @click.argument("points", nargs=-1, required=True)
 @options.model_or_auto
 @options.coefficients
@@ -36,16 +34,16 @@ Examples:
     "--start",
     type=option_types.Start(),
     metavar="VECTOR",
-    help="Start vector as a=0.03,b=-0.1, or `file` for the project's; from zero by default.",
+    help="Start vector, as in a=0.03,b=-0.1, or `file` for the project's; zero by default.",
 )
 @click.option(
     "--residual",
     type=click.Choice(["image", "corrected"]),
     default="image",
     show_default=True,
-    help="Measure straightness in the photograph's pixels, or in the corrected photo's.",
+    help="Measure straightness in pixels of the photograph, or of the corrected photo.",
 )
-@click.option("--robust", is_flag=True, help="Leave suspicious picks out, and list them.")
+@click.option("--robust", is_flag=True, help="Leave suspicious picks out and list them.")
 @options.bootstrap
 @options.reading
 @options.labelling

@@ -8,14 +8,14 @@ import click
 
 from plumbline.cli import lens_options, options
 
-_HELP = """Show which lens would be used for a photo, or keep a calibration for later.
+_HELP = """Show which lens a photo would be corrected with, or store a calibration.
 
-PHOTO: what `correct` would use, and the lenses of the database that match. A calibration comes
-from what --lens names; without, from your own calibrations, then from LensFun's database, by the
-photo's EXIF.
+For each PHOTO, print the lens that `correct` would use, and the lenses in the database that match.
+The lens is the one that --lens names; without it, EXIF is looked up in your own calibrations, then
+in LensFun's database.
 
-`lens add RESULT` keeps a result or zoom JSON among your own calibrations, where the camera, the
-lens and the focal length of a photo find it.
+`lens add RESULT` stores a result or zoom JSON among your own calibrations, where photos of the same
+camera, lens and focal length find it.
 
 \b
 Examples:
@@ -25,11 +25,7 @@ Examples:
 """
 
 
-@click.command(
-    "lens",
-    help=_HELP,
-    short_help="Show which lens would be used for a photo, or keep a calibration for later.",
-)
+@click.command("lens", help=_HELP)
 @click.argument("photos", nargs=-1, required=True, metavar="PHOTO… | add RESULT…")
 @lens_options.choosing
 @options.overwriting

@@ -10,8 +10,8 @@ from plumbline.cli import options
 
 _HELP = """Show a calibration as a page with figures, tables and checksums.
 
-RESULT is a JSON that `fit` wrote (-o building.json). The page is one HTML file that needs
-nothing besides itself; print it from any browser. It goes beside RESULT unless -o names another.
+RESULT is a JSON that `fit` wrote (-o building.json). The page is one self-contained HTML
+file; print it from any browser. It goes beside RESULT unless -o names another.
 The photo is looked for by its name, beside RESULT and beside the points; without it, figures
 show an empty frame. With --plot and without -o, only those figures are written.
 
@@ -23,11 +23,7 @@ Examples:
 """
 
 
-@click.command(
-    "report",
-    help=_HELP,
-    short_help="Show a calibration as a page with figures, tables and checksums.",
-)
+@click.command("report", help=_HELP)
 @click.argument("result")
 @click.option("-o", "--output", metavar="FILE", help="Write the page to this file (.html).")
 @options.plotting

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Literal
 
 from plumbline.errors import ReadError, printable
-from plumbline.observations import Observations
 
 Order = Literal["raster", "zigzag"]
 
@@ -106,27 +104,6 @@ class ReadOptions:
     size: tuple[int, int] | None = None
     grid: tuple[int, int] | None = None
     order: Order = "raster"
-
-
-@dataclass(frozen=True)
-class Format:
-    """One file format: a row of `FORMATS`.
-
-    Attributes:
-        name: Name for `--format`.
-        title: What it is, for people.
-        suffixes: File name suffixes it may have, in lower case, with the dot.
-        recognises: Whether a file looks like this format.
-        read: Makes observations of it. They may lack the photo's size and are not yet checked
-            (`Observations.checked` is called afterwards); coordinates are plumbline's own,
-            and `Line.rows` tells where in the file each point stands.
-    """
-
-    name: str
-    title: str
-    suffixes: tuple[str, ...]
-    recognises: Callable[[Source], bool]
-    read: Callable[[Source, ReadOptions], Observations]
 
 
 def shown(text: str, most: int = 40) -> str:

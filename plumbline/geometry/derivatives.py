@@ -6,13 +6,13 @@ in pixels, left-out lines) needs the same derivatives at one lens only, and no p
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from plumbline.frame import Array
 from plumbline.geometry.lens import Lens
-from plumbline.models import CENTRE, Model
+from plumbline.models import CENTRE
 
 _STEP = 1e-5
 
@@ -34,28 +34,8 @@ def undistorted(lens: Lens, observed_px: Array) -> Ideal:
     """Undistort points of shape (n, 2); those beyond the fold become NaN."""
     uv = lens.frame.normalise(lens.undistort_or_nan(observed_px), 1.0)
     observed = _observed(lens, observed_px)
-    return Ideal(uv, stretch(lens.model, lens.vector, observed / lens.unit_px, uv / lens.unit_px))
-
-
-def stretch(model: Model, c: Any, observed: Array, ideal: Array) -> Array:
-    """Derivative of ideal points by observed ones, all normalised and from the distortion centre.
-
-    Args:
-        model: The model.
-        c: Its coefficients, each a number or of shape (n,).
-        observed: Shape (n, 2).
-        ideal: Shape (n, 2).
-
-    Returns:
-        Shape (n, 2, 2), rows for the ideal point.
-    """
-    x, y = (observed if model.direction == "observed to ideal" else ideal).T
-    xx, xy, yx, yy = model.jacobian(x, y, c)
-    if model.direction == "ideal to observed":
-        determinant = xx * yy - xy * yx
-        with np.errstate(divide="ignore", invalid="ignore"):
-            xx, xy, yx, yy = (v / determinant for v in (yy, -xy, -yx, xx))
-    return np.stack((xx, xy, yx, yy), axis=-1).reshape(-1, 2, 2)
+    slopes = lens.model.stretch(observed / lens.unit_px, uv / lens.unit_px, lens.vector)
+    return Ideal(uv, slopes)
 
 
 def by_coefficients(lens: Lens, names: tuple[str, ...], observed_px: Array, ideal: Ideal) -> Array:
@@ -93,24 +73,22 @@ def by_powers(lens: Lens, powers: tuple[int, ...], observed_px: Array, ideal: Id
         observed_px: As for `by_coefficients`.
         ideal: As for `by_coefficients`.
     """
-    towards = lens.model.direction == "observed to ideal"
-    own = (_observed(lens, observed_px) if towards else ideal.uv) / lens.unit_px
+    own = lens.model.argument(_observed(lens, observed_px), ideal.uv) / lens.unit_px
     r = np.hypot(*own.T)
     columns: list[Array] = []
     for power in powers:
         moved = own * (r**power)[:, None] * lens.unit_px
-        columns.append(moved if towards else -np.einsum("nij,nj->ni", ideal.stretch, moved))
+        columns.append(lens.model.as_ideal_motion(moved, ideal.stretch))
     return np.stack(columns, axis=-1)
 
 
 def _moved(lens: Lens, observed_px: Array, ideal: Ideal, step: Array) -> Array:
     """Central difference by the model's own direction, turned around where that is the other."""
-    towards = lens.model.direction == "observed to ideal"
-    x, y = ((_observed(lens, observed_px) if towards else ideal.uv) / lens.unit_px).T
+    x, y = (lens.model.argument(_observed(lens, observed_px), ideal.uv) / lens.unit_px).T
     above = np.stack(lens.model.apply(x, y, lens.vector + step), axis=-1)
     below = np.stack(lens.model.apply(x, y, lens.vector - step), axis=-1)
     slope = (above - below) * (lens.unit_px / (2 * _STEP))
-    return slope if towards else -np.einsum("nij,nj->ni", ideal.stretch, slope)
+    return lens.model.as_ideal_motion(slope, ideal.stretch)
 
 
 def _observed(lens: Lens, observed_px: Array) -> Array:

@@ -34,9 +34,9 @@ def stored_lenses(source: Source) -> tuple[StoredLens, ...]:
     if head.startswith("{") and f'"{RESULT}"' in head[:1024]:
         results = consistent_results(source.text(), source.path)
         return tuple(of_calibration(made) for made in results)
-    if ptgui.FORMAT.recognises(source):
+    if ptgui.recognises(source):
         return _of_images(source, ptgui.read_images(source))
-    if pto.FORMAT.recognises(source):
+    if pto.recognises(source):
         return _of_images(source, pto.read_images(source))
     if source.suffix == ".ini" or "[lens]" in head.casefold():
         return (_of_ini(source),)

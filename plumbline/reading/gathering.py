@@ -1,17 +1,15 @@
-"""From files and flags to observations and written results: the verbs minus their parsing."""
+"""From files and the options of the verbs to the observations of each lens."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 from plumbline.errors import OptionError
-from plumbline.files import is_same
 from plumbline.observations import Observations
 from plumbline.observations.facts import checked_aspect_ratio
-from plumbline.reading.points import join, read
+from plumbline.reading.points import read
 
 _FACTS = {
     "maker": "maker",
@@ -33,10 +31,11 @@ def parts_of(sources: Sequence[str], options: Mapping[str, Any]) -> list[Observa
         options: Values of `options.reading` and of those of `options.labelling` that it takes.
 
     Raises:
-        PlumblineError: as `gather` and `split_by_lens`.
+        PlumblineError: as `read` and `split_by_lens`.
     """
     labels = labels_of(options)
     how = {name: value for name, value in options.items() if name not in _FACTS}
+<<<<<<< HEAD
     return split_by_lens(gather(sources, **how), labels)
 
 
@@ -58,6 +57,9 @@ def gather(sources: Sequence[str], image: int | None, **how: Any) -> Observation
                 hint="name each file once",
             )
     return join([read(source, image=image, **how) for source in sources])
+=======
+    return split_by_lens(read(sources, **how), labels)
+>>>>>>> main
 
 
 def split_by_lens(observations: Observations, labels: Mapping[str, Any]) -> list[Observations]:

@@ -120,9 +120,7 @@ def motions(
     columns = by_coefficients(lens, free, every, ideal)
     if powers:
         columns = np.concatenate((columns, by_powers(lens, powers, every, ideal)), axis=2)
-    unseen = _unseen(
-        ideal.uv / lens.frame.radius_px, perspective=bool(set(lens.model.tangential) & set(free))
-    )
+    unseen = _unseen(ideal.uv / lens.frame.radius_px, perspective=lens.model.decentred(free))
     n = len(grid)
     on_grid = unseen[:n].reshape(2 * n, -1)
     taken = np.linalg.lstsq(on_grid, columns[:n].reshape(2 * n, -1), rcond=None)[0]

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from plumbline.trust.assessment import Assessment
 from plumbline.trust.check import Check
 from plumbline.trust.next_line import next_line
+from plumbline.trust.suspect import Suspect
 from plumbline.wording import count, px
 
 _CONDITION = 300.0
@@ -24,7 +27,7 @@ def after_fit(trust: Assessment) -> tuple[Check, ...]:
         _correction(trust),
         _steady(trust),
         _model(trust),
-        suspects_check(trust),
+        suspects_check(trust.suspects, trust.observations.n_points, robust=trust.robust),
     )
     return tuple(check for check in found if check is not None)
 
@@ -116,12 +119,17 @@ def _model(trust: Assessment) -> Check | None:
     return Check("model", True, finding, doubtful=True)
 
 
-def suspects_check(trust: Assessment) -> Check:
-    """Which picks are wrong, and what to do about them."""
-    out = sum(len(suspect.picks) for suspect in trust.suspects if suspect.left_out)
-    odd = sum(not suspect.left_out for suspect in trust.suspects)
-    n_points = trust.observations.n_points
-    if not trust.suspects:
+def suspects_check(suspects: Sequence[Suspect], n_points: int, *, robust: bool) -> Check:
+    """Which picks are wrong, and what to do about them.
+
+    Args:
+        suspects: The suspicious picks.
+        n_points: Number of all picks.
+        robust: Whether suspicious picks were left out.
+    """
+    out = sum(len(suspect.picks) for suspect in suspects if suspect.left_out)
+    odd = sum(not suspect.left_out for suspect in suspects)
+    if not suspects:
         return Check("suspects", True, f"none of the {count(n_points, 'pick')} is suspicious")
     oddities = "1 oddity" if odd == 1 else f"{odd:,} oddities"
     kind = "(a bent line or a place picked twice)"
@@ -129,7 +137,7 @@ def suspects_check(trust: Assessment) -> Check:
     if not out:
         return Check("suspects", False, f"{oddities} {kind} on the lines", look)
     finding = f"{count(out, 'pick')} of {n_points:,} "
-    if trust.robust:
+    if robust:
         finding += "left out as suspicious"
     else:
         finding += "is suspicious" if out == 1 else "are suspicious"

@@ -20,7 +20,7 @@ from PIL import Image
 
 from plumbline.cli import VERBS, command, options
 from plumbline.fit import bootstrap
-from plumbline.formats.known import FORMATS
+from plumbline.formats.known import POINT_FORMATS
 from plumbline.models import MODELS
 from tests.cli.process import Run
 
@@ -696,7 +696,7 @@ def test_every_verb_explains_itself(verb: str, flag: str) -> None:
 
 def test_the_formats_in_the_help_are_those_there_are() -> None:
     shown = " ".join(CliRunner().invoke(command, ["fit", "--help"]).output.split())
-    assert "Format of the points: " + ", ".join(FORMATS) + "." in shown
+    assert "Format of the points: " + ", ".join(POINT_FORMATS) + "." in shown
 
 
 FLAGS = """

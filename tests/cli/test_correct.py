@@ -278,25 +278,25 @@ def test_pixels_the_other_way(tmp_path: Path) -> None:
         (("correct", "a.jpg", *PTLENS, "--quality", "101"), 2, "--quality"),
         (("correct", "a.jpg", "--ptlens", "file"), 2, "--ptlens"),
         *(
-            (("correct", *POINTS, *PTLENS, *useless), 2, f"--points has no use for {useless[0]};")
+            (("correct", *POINTS, *PTLENS, *useless), 2, f"--points does not use {useless[0]};")
             for useless in (
                 *(("--scale", "keep"), ("--border", "white"), ("--difference",), ("--jobs", "2")),
                 *(("--quality", "95"), ("--interpolation", "cubic"), ("--skip-existing",)),
             )
         ),
         *(
-            (("correct", "a.jpg", *MAP, *PTLENS, *useless), 2, f"--map has no use for {useless[0]}")
+            (("correct", "a.jpg", *MAP, *PTLENS, *useless), 2, f"--map does not use {useless[0]}")
             for useless in (("-o", "x.tif"), ("--border", "edge"), ("--difference",))
         ),
         (
             ("correct", "a.jpg", *PTLENS, "--scheduler", "tcp://127.0.0.1:1", "--jobs", "2"),
             2,
-            "--scheduler has no use for --jobs",
+            "--scheduler does not use --jobs",
         ),
         (
             ("correct", *POINTS, *PTLENS, "-o", "b.csv", "--suffix", "_x"),
             2,
-            "--points with -o has no use for --suffix",
+            "--points with -o does not use --suffix",
         ),
         (
             ("correct", "a.jpg", *PTLENS, "-o", "b.jpg", "--suffix", "_x"),
@@ -392,3 +392,13 @@ def test_a_corrected_photo_may_be_distorted(tmp_path: Path) -> None:
     assert "bends it again" in plumb(tmp_path, "correct", "b.jpg", *PTLENS).stderr
     for more in ((), ("--map", "m.npz")):
         assert plumb(tmp_path, "correct", "b.jpg", *PTLENS, "--inverse", *more).stderr == ""
+
+
+@pytest.mark.parametrize("inverse", [["--inverse"], []])
+def test_points_beyond_the_fold_are_refused_either_way(tmp_path: Path, inverse: list[str]) -> None:
+    """r (1 − b + b r²) with b = −0.4 turns back at r = 1.08 half shorter sides."""
+    (tmp_path / "p.csv").write_text("line,x,y\na,10,1000\na,1500,1000\na,3000,1000\n")
+    fold = ("--ptlens", "a=0,b=-0.4,c=0", "--size", "3001x2001")
+    result = plumb(tmp_path, "correct", "--points", "p.csv", *fold, *inverse, status=1)
+    assert "folds before it reaches 2 of the points" in result.stderr
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["p.csv"]

@@ -60,9 +60,7 @@ def test_options_that_say_nothing_are_refused(tmp_path: Path, target: str, usele
     result = saved(tmp_path / "r.json", calibration(b=-0.02))
     done = plumbline("export", result, "--to", target, *useless.split(), home=tmp_path)
     assert done.returncode == 2
-    assert (
-        f"--to {target} has no use for {useless.split(maxsplit=1)[0]}; leave it out" in done.stderr
-    )
+    assert f"--to {target} does not use {useless.split(maxsplit=1)[0]}; leave it out" in done.stderr
     assert [path.name for path in tmp_path.iterdir()] == ["r.json"]
 
 

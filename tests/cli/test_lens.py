@@ -50,11 +50,11 @@ def test_options_that_say_nothing_are_refused(coolpix: Path, tmp_path: Path) -> 
     result = saved(tmp_path / "r.json", calibration(b=-0.123))
     done = plumbline("lens", "add", result, "--focal", "9", home=tmp_path)
     assert done.returncode == 2
-    assert "lens add has no use for --focal; leave it out" in done.stderr
+    assert "lens add does not use --focal; leave it out" in done.stderr
     assert not (tmp_path / "data").exists()
     done = plumbline("lens", coolpix, "--overwrite", home=tmp_path)
     assert done.returncode == 2
-    assert "lens PHOTO has no use for --overwrite" in done.stderr
+    assert "lens PHOTO does not use --overwrite" in done.stderr
 
 
 def test_questions_are_sentences(tmp_path: Path) -> None:

@@ -46,7 +46,7 @@ def test_the_polynomial_is_printed(results: list[str], tmp_path: Path) -> None:
     assert "needs 5 focal lengths, and there are 4" in done.stderr
     done = plumbline("zoom", *results, "--degree", "2", home=tmp_path)
     assert done.returncode == 2
-    assert "--method hermite has no use for --degree" in done.stderr
+    assert "--method hermite does not use --degree" in done.stderr
 
 
 def test_specimens_are_pooled_and_their_scatter_shown(tmp_path: Path) -> None:

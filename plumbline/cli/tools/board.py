@@ -22,9 +22,7 @@ from plumbline.files import (
     refuse_unknown_suffix,
     write_atomically,
 )
-from plumbline.formats.panotools.pto_writing import new_project
-from plumbline.formats.points.board import PhotoOfBoards, write_boards
-from plumbline.formats.points.csv import write_csv
+from plumbline.formats.known import suffixes
 from plumbline.imaging.upright import read_upright
 from plumbline.observations import Observations, Origin, Photo
 from plumbline.observations.board import Board, lines_of
@@ -34,7 +32,6 @@ from plumbline.reading.points import join
 from plumbline.result.calibration import Calibration
 from plumbline.wording import count, listed
 
-POINTS = (".json", ".csv", ".pto")
 OVERLAYS = (".jpg", ".jpeg", ".png")
 
 _WORTHWHILE = 0.9
@@ -199,7 +196,7 @@ class Targets:
             folder / "board.json" if points is None else Path(points),
             folder / "board.jpg" if overlay is None else Path(overlay),
         )
-        refuse_unknown_suffix(made.points, POINTS, "corners")
+        refuse_unknown_suffix(made.points, tuple(suffixes("points")), "corners")
         refuse_unknown_suffix(made.overlay, OVERLAYS, "drawings")
         if made.points == made.overlay:
             raise WriteError("this file is named twice", path=made.points, hint="name two files")
@@ -217,23 +214,11 @@ def contents(
     inputs = [seen.path for seen in found]
     for target in (targets.points, targets.overlay):
         refuse_to_clobber(target, inputs, overwrite=overwrite)
+    row = suffixes("points")[targets.points.suffix.lower()]
     return {
-        targets.points: _points(targets.points, found, observations),
+        targets.points: row.write(observations),
         targets.overlay: _picture(targets.overlay, sheet([seen.drawing for seen in found])),
     }
-
-
-def _points(target: Path, found: Sequence[Seen], observations: Observations) -> bytes:
-    if target.suffix.lower() == ".csv":
-        return write_csv(observations).encode()
-    if target.suffix.lower() == ".pto":
-        return new_project(observations, {})
-    with_boards = [seen for seen in found if seen.boards]
-    photos = [
-        PhotoOfBoards(photo.name, photo.frame.size, seen.boards)
-        for photo, seen in zip(observations.photos, with_boards, strict=True)
-    ]
-    return write_boards(photos).encode()
 
 
 def _picture(target: Path, drawing: Drawing) -> bytes:

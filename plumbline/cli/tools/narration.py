@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import AbstractContextManager, contextmanager
+from copy import copy
 from typing import TYPE_CHECKING
 
 from plumbline.errors import PlumblineError
@@ -59,4 +60,6 @@ def name_the_source(error: PlumblineError, part: Observations, n_parts: int) -> 
     files = listed(list(dict.fromkeys(origin.path for origin in part.origins)), 3)
     if not message.startswith(files):
         message = f"{files}: {message}"
-    return type(error)(message, hint=error.hint)
+    told = copy(error)
+    told.message, told.args = message, (message,)
+    return told

@@ -14,12 +14,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from plumbline.errors import DegenerateLinesError, PlumblineError
-from plumbline.fit.calibrate import calibrate
 from plumbline.fit.choice.reasons import beyond, left_out, quote, reason
 from plumbline.fit.choice.recommend import choose
 from plumbline.fit.outcome import finish
 from plumbline.fit.problem import Problem, prepare
 from plumbline.fit.program.solve import solve
+from plumbline.fit.single import fit_one
 from plumbline.frame import Array
 from plumbline.models import CENTRE, get_model
 from plumbline.observations import Observations
@@ -38,25 +38,30 @@ _FINEST_PX = 0.001
 @dataclass(frozen=True)
 class _Row:
     name: str
-    equals: tuple[str, ...]
     model: str
     free: tuple[str, ...]
 
+    @property
+    def equals(self) -> tuple[str, ...]:
+        """The same in other words."""
+        others = get_model(self.model).in_other_words(self.free)
+        return (f"{self.model} {', '.join(self.free)}",) if self.name in others else others
+
 
 ROWS = (
-    _Row("ptlens b", ("poly3",), "ptlens", ("b",)),
-    _Row("radial:2", ("brown k1",), "brown", ("k1",)),
-    _Row("division l1", (), "division", ("l1",)),
-    _Row("poly5", ("opencv k1, k2",), "poly5", ("k1", "k2")),
-    _Row("radial:2,4", ("brown k1, k2",), "brown", ("k1", "k2")),
-    _Row("division l1, l2", (), "division", ("l1", "l2")),
-    _Row("ptlens a, b, c", (), "ptlens", ("a", "b", "c")),
-    _Row("radial:2,4,6", ("brown k1, k2, k3",), "brown", ("k1", "k2", "k3")),
-    _Row("ptlens b with centre", (), "ptlens", ("b", *CENTRE)),
-    _Row("ptlens with centre", (), "ptlens", ("a", "b", "c", *CENTRE)),
-    _Row("radial:2,4,6 with centre", (), "brown", ("k1", "k2", "k3", *CENTRE)),
-    _Row("brown", (), "brown", ("k1", "k2", "k3", "p1", "p2")),
-    _Row("brown with centre", (), "brown", ("k1", "k2", "k3", "p1", "p2", *CENTRE)),
+    _Row("ptlens b", "ptlens", ("b",)),
+    _Row("radial:2", "brown", ("k1",)),
+    _Row("division l1", "division", ("l1",)),
+    _Row("poly5", "poly5", ("k1", "k2")),
+    _Row("radial:2,4", "brown", ("k1", "k2")),
+    _Row("division l1, l2", "division", ("l1", "l2")),
+    _Row("ptlens a, b, c", "ptlens", ("a", "b", "c")),
+    _Row("radial:2,4,6", "brown", ("k1", "k2", "k3")),
+    _Row("ptlens b with centre", "ptlens", ("b", *CENTRE)),
+    _Row("ptlens with centre", "ptlens", ("a", "b", "c", *CENTRE)),
+    _Row("radial:2,4,6 with centre", "brown", ("k1", "k2", "k3", *CENTRE)),
+    _Row("brown", "brown", ("k1", "k2", "k3", "p1", "p2")),
+    _Row("brown with centre", "brown", ("k1", "k2", "k3", "p1", "p2", *CENTRE)),
 )
 """What is compared, simple models first. Models that are the same in other words are one row."""
 
@@ -112,7 +117,7 @@ def compare(
     table = list(choice.candidates)
     taken = table[choice.recommended]
     # The same fit again, now with its suspicious picks.
-    named = calibrate(observations, taken.model, free=taken.free, robust=robust)
+    named = fit_one(observations, taken.model, free=taken.free, robust=robust)
     table[choice.recommended] = replace(taken, calibration=named)
     return Comparison(
         candidates=tuple(table),
@@ -140,11 +145,11 @@ def _believed(observations: Observations) -> Observations:
 def _robust(observations: Observations) -> Calibration | PlumblineError:
     """The robust fit of the richest model that has one, or why even b alone has none."""
     try:
-        return calibrate(observations, free=("a", "b", "c"), robust=True)
+        return fit_one(observations, "ptlens", free=("a", "b", "c"), robust=True)
     except PlumblineError:
         pass
     try:
-        return calibrate(observations, free=("b",), robust=True)
+        return fit_one(observations, "ptlens", free=("b",), robust=True)
     except PlumblineError as error:
         return error
 

@@ -20,7 +20,7 @@ from plumbline.fit.problem import Problem
 from plumbline.fit.program.blocks import unpack
 from plumbline.fit.program.task import Solution
 from plumbline.frame import Array
-from plumbline.geometry.derivatives import Ideal, stretch
+from plumbline.geometry.derivatives import Ideal
 from plumbline.geometry.lines import Lines, fit_lines, line_numbers
 from plumbline.trust.linearised import across_stretch
 from plumbline.trust.student import quantile
@@ -85,7 +85,7 @@ def picks_at(problems: Sequence[Problem], solutions: Sequence[Solution]) -> Pick
     ideal = np.stack(
         (unpack(packed, [s.u for s in solutions]), unpack(packed, [s.v for s in solutions])), axis=1
     )
-    slopes = stretch(model, found[:, :-2].T, observed - found[:, -2:], ideal)
+    slopes = model.stretch(observed - found[:, -2:], ideal, found[:, :-2].T)
     sizes = np.concatenate([problem.packed.sizes for problem in problems])
     n_free = np.array([len(problem.plan.free) for problem in problems])
     return Picks(Ideal(ideal * units, slopes), sizes, line_numbers(sizes), of_problem, n_free)

@@ -20,7 +20,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, field, replace
 
-from plumbline.formats.base import Format, ReadOptions, Source
+from plumbline.formats.base import ReadOptions, Source
 from plumbline.formats.panotools.control_points import collect_lines
 from plumbline.formats.panotools.point_records import ControlPoints, take_points
 from plumbline.formats.panotools.pto import refuse_moved_centre
@@ -46,7 +46,8 @@ class _Project:
     pending: tuple[int, int, str] | None = None
 
 
-def _recognises(source: Source) -> bool:
+def recognises(source: Source) -> bool:
+    """Whether the file is a project of PTGui or PTAssembler."""
     head = source.head.lstrip()
     return head.startswith("# ptGui") or (
         source.suffix == ".pts" and (head.startswith("{") or "#-imgfile" in head)
@@ -102,7 +103,12 @@ def _read_image(source: Source, project: _Project, row: int, line: str) -> None:
     project.pending = None
 
 
-def _read(source: Source, _: ReadOptions) -> Observations:
+def read(source: Source, _options: ReadOptions) -> Observations:
+    """Straight lines of a project.
+
+    Raises:
+        ReadError: a record is damaged, or there is no image.
+    """
     project = _parse(source)
     first = 1 if project.has_dummy else 0
     images = project.images[first:]
@@ -162,12 +168,3 @@ def _facts(project: _Project, image: ImageRecord) -> LensFacts:
         if (linked and name in project.requested) or f"{name}{number}" in project.requested
     )
     return image.facts(asked or None, project.crop_factor)
-
-
-FORMAT = Format(
-    name="ptgui",
-    title="PTGui (up to version 11) or PTAssembler project",
-    suffixes=(".pts",),
-    recognises=_recognises,
-    read=_read,
-)

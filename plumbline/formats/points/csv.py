@@ -29,8 +29,8 @@ from itertools import chain
 
 import numpy as np
 
-from plumbline.errors import ReadError
-from plumbline.formats.base import Format, ReadOptions, Source
+from plumbline.errors import OptionError, ReadError
+from plumbline.formats.base import ReadOptions, Source
 from plumbline.formats.points.imagej import is_results_header
 from plumbline.formats.points.lines import MAX_PICKED_LINES, LineGatherer, UniqueLabels
 from plumbline.formats.points.table import Row, Table
@@ -103,7 +103,7 @@ def recognises(source: Source) -> bool:
     return True
 
 
-def write_csv(observations: Observations) -> str:
+def write(observations: Observations) -> bytes:
     """The points as a table that `read` takes back exactly.
 
     Points of a table of this format come out in its order, those of other files line by line.
@@ -113,8 +113,18 @@ def write_csv(observations: Observations) -> str:
             where two are the same.
 
     Returns:
-        Columns line, x, y, and photo if there is more than one, as text.
+        Columns line, x, y, and photo if there is more than one, in UTF-8.
+
+    Raises:
+        OptionError: the lines are of several lenses, which a table cannot keep apart.
     """
+    lenses = {observations.photos[line.photo].lens for line in observations.lines}
+    if len(lenses) > 1:
+        raise OptionError(
+            f"{observations.named}the lines are of {len(lenses)} lenses, which a CSV cannot keep "
+            "apart",
+            hint="select a photo with --image N, or write a .pto or .json",
+        )
     labels, photo_names = UniqueLabels(), UniqueLabels()
     photos = [photo_names(photo.name) for photo in observations.photos]
     several = len(photos) > 1
@@ -131,13 +141,13 @@ def write_csv(observations: Observations) -> str:
     for index in _order(observations):
         record = records[index]
         (quoting if str(record[0]).startswith("#") else writer).writerow(record)
-    return text.getvalue()
+    return text.getvalue().encode()
 
 
 def _order(observations: Observations) -> Iterable[int]:
     """The order of all lines' points in the table that they come from."""
     rows = [line.rows for line in observations.lines if line.rows is not None]
-    of_table = [origin.format for origin in observations.origins] == [FORMAT.name]
+    of_table = [origin.format for origin in observations.origins] == ["csv"]
     if not of_table or len(rows) < len(observations.lines):
         return range(observations.n_points)
     return np.argsort(np.concatenate(rows), kind="stable").tolist()
@@ -216,12 +226,3 @@ def _fitted(source: Source, row: list[str], columns: _Columns, line: int) -> lis
         line,
         "where numbers have a decimal comma, part the columns by semicolons",
     )
-
-
-FORMAT = Format(
-    name="csv",
-    title="table of points: line,x,y",
-    suffixes=(".csv", ".tsv", ".txt", ".dat"),
-    recognises=recognises,
-    read=read,
-)

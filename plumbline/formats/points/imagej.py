@@ -26,7 +26,7 @@ from collections.abc import Hashable, Sequence
 
 import numpy as np
 
-from plumbline.formats.base import Format, ReadOptions, Source
+from plumbline.formats.base import ReadOptions, Source
 from plumbline.formats.points.lines import LineGatherer
 from plumbline.formats.points.table import Row, Table
 from plumbline.observations import Observations
@@ -141,12 +141,3 @@ def _coordinates(table: Table, rows: list[Row], x: int, y: int) -> np.ndarray:
         except ValueError:
             raise table.bad_number([cells[x], cells[y]], at) from None
     return points
-
-
-FORMAT = Format(
-    name="imagej",
-    title="ImageJ or Fiji results, XY coordinates or selections",
-    suffixes=(".csv", ".txt", ".xls", ".tsv", ".roi", ".zip"),
-    recognises=recognises,
-    read=read,
-)

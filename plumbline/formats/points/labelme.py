@@ -15,8 +15,8 @@ coordinates run from 0 to the width), so 0.5 is subtracted here.
 
 from __future__ import annotations
 
-from plumbline.formats.base import Format, ReadOptions, Source
-from plumbline.formats.points.jsontext import as_list, as_number, as_object, as_text, parsed
+from plumbline.formats.base import ReadOptions, Source
+from plumbline.formats.jsontext import as_list, as_number, as_object, as_text, parsed
 from plumbline.formats.points.lines import LineGatherer, Size, declared_size
 from plumbline.observations import Observations
 
@@ -76,12 +76,3 @@ def _points(source: Source, value: object, what: str) -> list[tuple[float, float
             raise source.error(f"{point} has {len(xy)} coordinates", hint="correct or remove it")
         points.append((as_number(source, xy[0], point), as_number(source, xy[1], point)))
     return points
-
-
-FORMAT = Format(
-    name="labelme",
-    title="labelme annotations",
-    suffixes=(".json",),
-    recognises=recognises,
-    read=read,
-)

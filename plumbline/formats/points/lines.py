@@ -17,10 +17,10 @@ MAX_PICKED_LINES = 200_000
 Size = tuple[int, int]
 
 
-def clean_label(text: str) -> str:
+def clean_label(text: str, most: int = MAX_LABEL) -> str:
     """A name from a file as one short printable line."""
-    printable = "".join(c if c.isprintable() else " " for c in text[: 8 * MAX_LABEL])
-    return " ".join(printable.split())[:MAX_LABEL].rstrip()
+    printable = "".join(c if c.isprintable() else " " for c in text[: 8 * most])
+    return " ".join(printable.split())[:most].rstrip()
 
 
 class UniqueLabels:

@@ -23,8 +23,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from plumbline.formats.base import Format, ReadOptions, Source
-from plumbline.formats.points.jsontext import (
+from plumbline.formats.base import ReadOptions, Source
+from plumbline.formats.jsontext import (
     Object,
     as_list,
     as_number,
@@ -151,12 +151,3 @@ def _points(source: Source, region: _Region) -> list[tuple[float, float]]:
             hint="export the annotations from VIA again, as CSV or JSON",
         )
     return list(zip(x, y, strict=True))
-
-
-FORMAT = Format(
-    name="via",
-    title="VGG Image Annotator",
-    suffixes=(".csv", ".json"),
-    recognises=recognises,
-    read=read,
-)

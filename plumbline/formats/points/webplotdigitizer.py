@@ -22,7 +22,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from plumbline.formats.base import Format, ReadOptions, Source
+from plumbline.formats.base import ReadOptions, Source
 from plumbline.formats.points.lines import LineGatherer
 from plumbline.formats.points.table import Row, Table
 from plumbline.observations import Observations
@@ -98,12 +98,3 @@ def _fill(table: Table, datasets: list[_Dataset], rows: Iterator[Row]) -> None:
             except ValueError:
                 raise table.bad_number([x, y], at) from None
             dataset.rows.append(at)
-
-
-FORMAT = Format(
-    name="webplotdigitizer",
-    title="WebPlotDigitizer, all datasets",
-    suffixes=(".csv", ".txt"),
-    recognises=recognises,
-    read=read,
-)

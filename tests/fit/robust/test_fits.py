@@ -125,7 +125,7 @@ def test_a_plain_fit_is_what_it_is_without_the_search(monkeypatch: pytest.Monkey
         return [None] * len(problems)
 
     made = calibrate(moved())
-    monkeypatch.setattr("plumbline.fit.calibrate.robust_fits", no_search)
+    monkeypatch.setattr("plumbline.fit.single.robust_fits", no_search)
     blind = calibrate(moved())
     assert made.suspects
     assert not blind.suspects
