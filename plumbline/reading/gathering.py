@@ -35,31 +35,12 @@ def parts_of(sources: Sequence[str], options: Mapping[str, Any]) -> list[Observa
     """
     labels = labels_of(options)
     how = {name: value for name, value in options.items() if name not in _FACTS}
-<<<<<<< HEAD
-    return split_by_lens(gather(sources, **how), labels)
+    return split_by_lens(read(sources, **how), labels)
 
 
 def labels_of(options: Mapping[str, Any]) -> dict[str, Any]:
     """What `options.labelling` says of a lens, by the names of `LensFacts`."""
     return {fact: options.get(name) for name, fact in _FACTS.items()}
-
-
-def gather(sources: Sequence[str], image: int | None, **how: Any) -> Observations:
-    """Read one or several files of points, of each only photo number `image` if it is given.
-
-    Raises:
-        OptionError: a file is named twice, there is no such photo, or it has no lines.
-    """
-    for index, source in enumerate(sources):
-        if any(is_same(Path(source), other) for other in sources[:index]):
-            raise OptionError(
-                f"{source}: this file is named twice, and its points would count twice",
-                hint="name each file once",
-            )
-    return join([read(source, image=image, **how) for source in sources])
-=======
-    return split_by_lens(read(sources, **how), labels)
->>>>>>> main
 
 
 def split_by_lens(observations: Observations, labels: Mapping[str, Any]) -> list[Observations]:

@@ -99,7 +99,7 @@ def _seen(pair: Pair, wall: Layer, size: tuple[int, int], to_ideal: object) -> L
     light = np.zeros(pixels.shape[:2], dtype=np.float32)
     for right in steps:
         for down in steps:
-            at = (to_ideal(pixels + [right, down]) + margin).astype(np.float32)
+            at = (to_ideal(pixels + np.array([right, down])) + margin).astype(np.float32)
             light += cv2.remap(
                 wall, at[..., 0], at[..., 1], cv2.INTER_CUBIC, borderMode=cv2.BORDER_REFLECT
             )
