@@ -140,7 +140,7 @@ def test_photos_stored_sideways_are_turned(run: Run, folder: Path) -> None:
         (("board", "board0.png", "--points", "corners.txt"), "corners are not written as .txt"),
         (("board", "board0.png", "--overlay", "seen.gif"), "drawings are not written as .gif"),
         (("board", "board0.png", "--points", "x.png"), "corners are not written as .png"),
-        (("board", "board0.png", "--points-only", "--free", "b"), "has no use for --free"),
+        (("board", "board0.png", "--points-only", "--free", "b"), "does not use --free"),
         (("board", "board0.png", "--overlay", "board1.png"), "was not written by plumbline"),
         (("board", "board0.png", "--overlay", "board0.png"), "never overwritten"),
         (("board", "text.png"), "no picture"),

@@ -27,8 +27,8 @@ from plumbline.imaging.upright import read_upright
 from plumbline.observations import Observations, Origin, Photo
 from plumbline.observations.board import Board, lines_of
 from plumbline.observations.facts import LensFacts
-from plumbline.reading.photo import note_on_orientation, with_exif
 from plumbline.reading.joining import join
+from plumbline.reading.photo import note_on_orientation, with_exif
 from plumbline.result.calibration import Calibration
 from plumbline.wording import count, listed
 
