@@ -109,11 +109,15 @@ class Lens:
         Raises:
             FoldedError: the polynomial folds before it reaches a point.
         """
-        points = self.frame.normalise(points_px, self.unit_px)
-        observed = self.model.distort(points, self.vector, self._reach)
-        observed_px = self.frame.to_pixels(observed + self._offset, self.unit_px)
+        observed_px = self.distort_or_nan(points_px)
         self._refuse_folded(observed_px, points_px)
         return observed_px
+
+    def distort_or_nan(self, points_px: ArrayLike) -> Array:
+        """As `distort`, but points beyond the fold become NaN."""
+        points = self.frame.normalise(points_px, self.unit_px)
+        observed = self.model.distort(points, self.vector, self._reach)
+        return self.frame.to_pixels(observed + self._offset, self.unit_px)
 
     def fold_radius_px(self) -> float | None:
         """Observed radius in square pixels at which the model folds, if inside the photo.
