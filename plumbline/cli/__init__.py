@@ -18,6 +18,7 @@ from plumbline.errors import PlumblineError, printable
 VERBS = {
     "fit": "Find the distortion that makes picked lines straight.",
     "board": "Calibrate from photographs of a chequerboard.",
+    "pair": "Calibrate from a photograph and the same one corrected.",
     "check": "Say whether the picks determine the distortion, and what to pick next.",
     "compare": "Compare the distortion models on the same picks, and recommend one.",
     "report": "Show a calibration as a page with figures, tables and checksums.",

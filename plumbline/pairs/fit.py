@@ -178,5 +178,3 @@ def _finished(
         raise PairError("the matches cannot tell the free coefficients apart")
     whole = sigma_px**2 * np.linalg.inv(normal)
     return Fitted(setting, kept, whole[: len(free), : len(free)], sigma_px, dof, converged)
-
-

@@ -129,4 +129,3 @@ class PairCalibration(Calibration):
         """Whether the matches are well placed and the result is to be trusted."""
         kept = np.concatenate(self.kept)
         return checks_of_matches(self.trust, observed_px(self.observations)[kept])
-

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import plumbline
-from plumbline.boards.array import brightness
+from plumbline.photos.brightness import brightness
 from plumbline.boards.find import look_for_boards
 from plumbline.errors import OptionError
 from tests.boards.judging import judged

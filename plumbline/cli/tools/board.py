@@ -10,7 +10,6 @@ from typing import Any
 
 import click
 
-from plumbline.boards.array import brightness
 from plumbline.boards.find import look_for_boards
 from plumbline.boards.overlay import Drawing, drawn, sheet, width_of_each
 from plumbline.boards.spacing import spacing
@@ -27,6 +26,7 @@ from plumbline.imaging.upright import read_upright
 from plumbline.observations import Observations, Origin, Photo
 from plumbline.observations.board import Board, lines_of
 from plumbline.observations.facts import LensFacts
+from plumbline.photos.brightness import brightness
 from plumbline.reading.joining import join
 from plumbline.reading.photo import note_on_orientation, with_exif
 from plumbline.result.calibration import Calibration
