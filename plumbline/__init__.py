@@ -21,6 +21,10 @@ if TYPE_CHECKING:
     from plumbline.boards.find import (
         find_board as find_board,
     )
+    from plumbline.edges.snap import (
+        Snapped as Snapped,
+        snap as snap,
+    )
     from plumbline.errors import (
         CollapsedFitError as CollapsedFitError,
         DegenerateLinesError as DegenerateLinesError,
@@ -53,6 +57,15 @@ if TYPE_CHECKING:
     )
     from plumbline.geometry.lens import (
         Lens as Lens,
+    )
+    from plumbline.ground.rectification import (
+        Rectification as Rectification,
+    )
+    from plumbline.ground.rectify import (
+        rectify as rectify,
+    )
+    from plumbline.ground.stored import (
+        read_rectification as read_rectification,
     )
     from plumbline.imaging.batch import (
         Outcome as Outcome,
@@ -123,6 +136,7 @@ _HOMES = {
         "UnsupportedModelError",
         "WriteError",
     ),
+    "plumbline.edges.snap": ("Snapped", "snap"),
     "plumbline.fit.bootstrap": ("bootstrap",),
     "plumbline.fit.calibrate": ("calibrate", "calibrate_many"),
     "plumbline.fit.check": ("check",),
@@ -130,6 +144,9 @@ _HOMES = {
     "plumbline.formats.known": ("FORMATS",),
     "plumbline.frame": ("Frame",),
     "plumbline.geometry.lens": ("Lens",),
+    "plumbline.ground.rectification": ("Rectification",),
+    "plumbline.ground.rectify": ("rectify",),
+    "plumbline.ground.stored": ("read_rectification",),
     "plumbline.imaging.batch": ("Outcome", "correct_many"),
     "plumbline.imaging.correct": ("Corrected", "correct", "correct_array"),
     "plumbline.models": ("MODELS", "get_model"),

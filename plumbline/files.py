@@ -23,6 +23,9 @@ POINTS = "plumbline points"
 ZOOM = "plumbline zoom"
 """Stands in the head of every JSON of a zoom lens that plumbline makes."""
 
+RECTIFICATION = "plumbline rectification"
+"""Stands in the head of every JSON of a rectified photo that plumbline makes."""
+
 FITTED_DECIMALS = 18
 FITTED_VALUE = re.compile(rb"^i[ \t][^\n]*[ \t][a-e]-?\d+\.\d{18}(?!\S)", re.MULTILINE)
 """A lens value as plumbline writes it into a project that it otherwise leaves byte for byte.
@@ -139,7 +142,7 @@ def _is_ours(target: Path) -> bool:
     if target.suffix.lower() in _MARKED_AT_THE_END:
         return MARK.encode() in tail
     if target.suffix.lower() == ".json":
-        marks = [f'"{name}"'.encode() for name in (RESULT, POINTS, ZOOM)]
+        marks = [f'"{name}"'.encode() for name in (RESULT, POINTS, ZOOM, RECTIFICATION)]
         start = head[:_MOST_OF_HEADER]
         return start.lstrip().startswith(b"{") and any(mark in start for mark in marks)
     return MARK.encode() in head[:_MOST_OF_HEADER] or FITTED_VALUE.search(head) is not None

@@ -22,7 +22,8 @@ FLOORS = (
     "formats trust",
     "reading result",
     "fit lenses",
-    "writing imaging boards pairs",
+    "ground",
+    "writing imaging boards edges pairs",
     "report",
     "cli",
 )

@@ -17,12 +17,15 @@ from plumbline.errors import PlumblineError, printable
 
 VERBS = {
     "fit": "Find the distortion that makes picked lines straight.",
+    "snap": "Move picks onto the photograph's edges, to a small part of a pixel.",
     "board": "Calibrate from photographs of a chequerboard.",
     "pair": "Calibrate from a photograph and the same one corrected.",
     "check": "Say whether the picks determine the distortion, and what to pick next.",
     "compare": "Compare the distortion models on the same picks, and recommend one.",
     "report": "Show a calibration as a page with figures, tables and checksums.",
     "correct": "Take the lens distortion out of photographs.",
+    "rectify": "Rectify a photograph of a plane to scale.",
+    "measure": "Measure places, distances, angles and areas in a rectified photograph.",
     "convert": "Convert picked points to CSV, JSON or a Hugin project.",
     "lens": "Show which lens a photo would be corrected with, or store a calibration.",
     "zoom": "Join calibrations at several focal lengths into one lens.",

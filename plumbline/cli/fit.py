@@ -22,6 +22,7 @@ Examples:
   plumbline fit building.pto --free b -o b_alone.json
   plumbline fit building.pto --start a=0.03,b=-0.1,c=0.05
   plumbline fit building.pto --robust --model auto
+  plumbline fit picks.csv --photo facade.jpg --snap
   plumbline fit building.pto --report building.html --plot building.curve.svg
 """
 
@@ -44,6 +45,7 @@ Examples:
     help="Measure straightness in pixels of the photograph, or of the corrected photo.",
 )
 @click.option("--robust", is_flag=True, help="Leave suspicious picks out and list them.")
+@click.option("--snap", is_flag=True, help="Move the picks onto the photograph's edges first.")
 @options.bootstrap
 @options.reading
 @options.labelling
@@ -59,6 +61,7 @@ def command(
     start: Any,
     residual: Any,
     robust: bool,
+    snap: bool,
     bootstrap: int | None,
     **how: Any,
 ) -> None:
@@ -75,5 +78,10 @@ def command(
         refuse_unclear(delivery["output"], delivery["report"], delivery["plots"])
     wishes = Wishes(model, free, hold or (), start, residual, robust, bootstrap)
     narration = Console(stderr=True)
-    made = fit_lenses(parts_of(points, how), wishes, narration)
+    parts = parts_of(points, how)
+    if snap:
+        from plumbline.cli.tools.snap import snapped
+
+        parts = [each.observations for each in snapped(parts, how["photo"], narration)]
+    made = fit_lenses(parts, wishes, narration)
     deliver(made, points[0], narration, photo=how["photo"], **delivery)

@@ -256,7 +256,7 @@ printing = stacked(
     click.option("-v", "--verbose", is_flag=True, help="List every line, however many."),
     click.option("-q", "--quiet", is_flag=True, help="Print only the finding and the files."),
 )
-"""Options of verbs that fit a lens, for their output."""
+"""Options of verbs that fit a lens, for what they print."""
 
 DELIVERY = ("output", "report", "plots", "overwrite", "as_json", "verbose", "quiet")
 """Parameters of `results`, `plotting`, `overwriting` and `printing`."""

@@ -20,7 +20,6 @@ from plumbline.imaging.settings import Settings
 from plumbline.imaging.targets import SUFFIX, beside, check_target, difference_of
 from plumbline.lenses.correction import Correction
 from plumbline.lenses.request import LensRequest
-from plumbline.lenses.stored import StoredLens, of_calibration
 from plumbline.observations.facts import LensFacts
 from plumbline.photos.exif import PhotoFacts, read_photo
 from plumbline.photos.files.encode import encode, format_of
@@ -132,21 +131,10 @@ def correction_for(photo: PhotoFacts, lens: LensSource) -> Correction:
         if lens.size != photo.size:
             raise OptionError("the correction was made for a photo of another size")
         return lens
-    from plumbline.lenses import lookup, profile, sources
+    from plumbline.lenses import lookup, profile
 
-    if isinstance(lens, Calibration):
-        stored = of_calibration(lens)
-    elif isinstance(lens, Lens):
-        stored = StoredLens(lens, LensFacts())
-    else:
-        request = lens if isinstance(lens, LensRequest) else _request(lens)
-        return lookup.find_correction(photo, request)
-    described = f"the {stored.lens.model.label} lens given"
-    return profile.correction(sources.profile_of(stored, described), photo, LensRequest())
-
-
-def _request(source: str | Path | None) -> LensRequest:
-    return LensRequest(source=None if source is None else str(source))
+    found, request = lookup.profile_for(photo, lens)
+    return profile.correction(found, photo, request)
 
 
 def correct_file(

@@ -63,7 +63,7 @@ def resample(
 
     def fill(tile: Tile) -> None:
         x, y = sampling.coordinates(tile)
-        result[tile] = _one_tile(pixels, x, y, interpolation, outside, alpha=alpha)
+        result[tile] = one_tile(pixels, x, y, interpolation, outside, alpha=alpha)
 
     with ThreadPoolExecutor(threads or cores()) as pool:
         for _ in pool.map(fill, sampling.tiles()):
@@ -76,7 +76,7 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def _one_tile(
+def one_tile(
     pixels: Pixels,
     x: NDArray[np.float32],
     y: NDArray[np.float32],
@@ -85,6 +85,7 @@ def _one_tile(
     *,
     alpha: bool,
 ) -> Pixels:
+    """The pixels of one tile; see `resample`. The coordinates x and y, float32, are changed."""
     height, width = pixels.shape[:2]
     left, right = _reach(x, width)
     top, bottom = _reach(y, height)

@@ -6,14 +6,22 @@ Without a source the user's own calibrations are looked through first, then Lens
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 from plumbline.errors import OptionError
+from plumbline.geometry.lens import Lens
 from plumbline.lenses import sources
 from plumbline.lenses.choosing import Candidate, like_note
 from plumbline.lenses.correction import Correction
 from plumbline.lenses.profile import LensProfile, correction
 from plumbline.lenses.request import LensRequest
+from plumbline.lenses.stored import StoredLens, of_calibration
+from plumbline.observations.facts import LensFacts
 from plumbline.photos.exif import PhotoFacts
+from plumbline.result.calibration import Calibration
+
+LensSource = Calibration | Lens | LensRequest | str | Path | None
+"""What names a lens: itself, a file that holds it, what is known of it, or the photo's EXIF."""
 
 
 @dataclass(frozen=True)
@@ -27,6 +35,22 @@ class LookUp:
 
     profile: LensProfile
     candidates: tuple[Candidate, ...] = ()
+
+
+def profile_for(photo: PhotoFacts, lens: LensSource) -> tuple[LensProfile, LensRequest]:
+    """The lens of a photo by whatever names it, and the request to lay it over the photo with.
+
+    Raises:
+        PlumblineError: no lens, or more than one, is found.
+    """
+    if isinstance(lens, Calibration | Lens):
+        own = isinstance(lens, Calibration)
+        stored = of_calibration(lens) if own else StoredLens(lens, LensFacts())
+        described = f"the {stored.lens.model.label} lens given"
+        return sources.profile_of(stored, described), LensRequest()
+    if not isinstance(lens, LensRequest):
+        lens = LensRequest(source=None if lens is None else str(lens))
+    return look_up(photo, lens).profile, lens
 
 
 def find_correction(photo: PhotoFacts, request: LensRequest) -> Correction:

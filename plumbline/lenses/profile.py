@@ -11,12 +11,12 @@ which is LensFun's rule. Source: LensFun 0.3.4, `lfModifier::lfModifier`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from plumbline.errors import OptionError
-from plumbline.frame import Frame
+from plumbline.frame import Array, Frame
 from plumbline.lenses.correction import Correction
 from plumbline.lenses.mapping import TURNS, UPRIGHT, PhotoLens, Turn
 from plumbline.lenses.photo_history import history_notes, shape, whole_size
@@ -50,6 +50,7 @@ class LensProfile:
         pixel_aspect: Width of one pixel over its height.
         photos: Names of the pictures it was calibrated in, in small letters, without folders.
         notes: What to warn of, in plain sentences.
+        covariance: Of the coefficients, shape (k, k); None if unknown.
     """
 
     description: str
@@ -66,6 +67,7 @@ class LensProfile:
     pixel_aspect: float = 1.0
     photos: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    covariance: Array | None = field(default=None, compare=False)
 
     def with_notes(self, *notes: str) -> LensProfile:
         """The same profile with more notes."""
@@ -73,7 +75,18 @@ class LensProfile:
 
 
 def correction(profile: LensProfile, photo: PhotoFacts, request: LensRequest) -> Correction:
+    """Lay a lens over a photo, as the two maps that correct it; raises as `laid_over`."""
+    mapped, notes = laid_over(profile, photo, request)
+    return Correction(mapped.distort, mapped.undistort, photo.size, profile.description, notes)
+
+
+def laid_over(
+    profile: LensProfile, photo: PhotoFacts, request: LensRequest
+) -> tuple[PhotoLens, tuple[str, ...]]:
     """Lay a lens over a photo.
+
+    Returns:
+        The lens over the photo, and what the user should be warned of.
 
     Raises:
         OptionError: the photo is cropped, or of another shape than the lens's pictures, and the
@@ -101,13 +114,7 @@ def correction(profile: LensProfile, photo: PhotoFacts, request: LensRequest) ->
     )
     if otherwise is not None:
         notes += _unknown_turn(mapped, replace(mapped, turn=otherwise))
-    return Correction(
-        mapped.distort,
-        mapped.undistort,
-        photo.size,
-        profile.description,
-        (*profile.notes, *notes),
-    )
+    return mapped, (*profile.notes, *notes)
 
 
 def clamp_focal(

@@ -82,6 +82,7 @@ def profile_of(stored: StoredLens, description: str) -> LensProfile:
         pixel_aspect=lens.frame.pixel_aspect,
         photos=tuple(_base(name).casefold() for name in stored.photos),
         notes=stored.notes,
+        covariance=stored.covariance,
     )
 
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from plumbline.frame import Array
 from plumbline.geometry.lens import Lens
 from plumbline.observations import Observations
@@ -23,6 +25,7 @@ class StoredLens:
         observations: The points it was fitted to; None where there are none.
         homography: Where it was refitted, from plumbline's ideal points to those of `lens`,
             both in half shorter sides from the image centre, shape (3, 3); None if not.
+        covariance: Of the model's coefficients in its order, shape (k, k); None if unknown.
     """
 
     lens: Lens
@@ -31,6 +34,7 @@ class StoredLens:
     notes: tuple[str, ...] = ()
     observations: Observations | None = None
     homography: Array | None = field(default=None, compare=False)
+    covariance: Array | None = field(default=None, compare=False)
 
 
 def of_calibration(made: Calibration) -> StoredLens:
@@ -42,7 +46,23 @@ def of_calibration(made: Calibration) -> StoredLens:
     refuse_unsettled([made])
     names = tuple(photo.name for photo in made.observations.photos if photo.name)
     facts = made.observations.lenses[0]
-    return StoredLens(made.lens, facts, names, observations=made.observations)
+    return StoredLens(
+        made.lens,
+        facts,
+        names,
+        observations=made.observations,
+        covariance=_covariance(made),
+    )
+
+
+def _covariance(made: Calibration) -> Array:
+    """Covariance of all of the model's coefficients, zero where one was held."""
+    names = made.lens.model.coefficients
+    whole = np.zeros((len(names), len(names)))
+    free = [index for index, name in enumerate(made.free) if name in names]
+    into = [names.index(made.free[index]) for index in free]
+    whole[np.ix_(into, into)] = made.covariance[np.ix_(free, free)]
+    return whole
 
 
 def projection_note(projection: str) -> tuple[str, ...]:

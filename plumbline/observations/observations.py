@@ -6,7 +6,7 @@ them, and the result embeds them.
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import groupby
@@ -223,11 +223,12 @@ class Observations:
         one edge, and what they share counts once; a single pick that two lines share is where
         they cross, as in a grid. Notes name the copies.
         """
-        frames, photos = list[Hashable](), list[Hashable]()
-        for line in self.lines:
-            photo = self.photos[line.photo]
-            frames.append((photo.lens, photo.size, photo.pixel_aspect))
-            photos.append((photo.name or line.photo, *frames[-1]))
+        of_line = [self.photos[line.photo] for line in self.lines]
+        frames = [(photo.lens, photo.size, photo.pixel_aspect) for photo in of_line]
+        photos = [
+            (photo.name or line.photo, *frame)
+            for line, photo, frame in zip(self.lines, of_line, frames, strict=True)
+        ]
         lines, copies = counted_once(self.lines, photos, frames)
         if not copies:
             return self

@@ -64,8 +64,8 @@ class SamplingMap:
             return self.exactly(tile)
         rows, columns = _positions(tile)
         nodes_y, nodes_x = self._shifts.shape[1:]
-        part_y, across_rows = _weights(rows, self.size[1], nodes_y)
-        part_x, across_columns = _weights(columns, self.size[0], nodes_x)
+        part_y, across_rows = weights(rows, self.size[1], nodes_y)
+        part_x, across_columns = weights(columns, self.size[0], nodes_x)
         x, y = across_rows @ (self._shifts[:, part_y, part_x] @ across_columns.T)
         x += columns.astype(np.float32)
         y += rows.astype(np.float32)[:, None]
@@ -122,7 +122,7 @@ class SamplingMap:
             nodes = _even_points(self.size, 2 * nodes_x - 1, 2 * nodes_y - 1)
             fine = np.moveaxis(self.observed(nodes) - nodes, -1, 0)
             coarse = fine[:, ::2, ::2]
-            if np.max(np.abs(_refined(coarse) - fine)) <= TOLERANCE_PX:
+            if np.max(np.abs(refined(coarse) - fine)) <= TOLERANCE_PX:
                 return coarse.astype(np.float32)
         return None
 
@@ -149,7 +149,7 @@ def _folds(observed: Array) -> bool:
     return bool(np.any(right[..., 0] * down[..., 1] <= right[..., 1] * down[..., 0]))
 
 
-def _weights(positions: Array, side: int, nodes: int) -> tuple[slice, NDArray[np.float32]]:
+def weights(positions: Array, side: int, nodes: int) -> tuple[slice, NDArray[np.float32]]:
     """Cubic Lagrange weights of the nodes that positions along one side lie between.
 
     Args:
@@ -164,19 +164,19 @@ def _weights(positions: Array, side: int, nodes: int) -> tuple[slice, NDArray[np
     first = np.clip(np.floor(at).astype(np.int64) - 1, 0, nodes - _STENCIL)
     t = at - first
     start, stop = int(first[0]), int(first[-1]) + _STENCIL
-    weights = np.zeros((len(positions), stop - start), dtype=np.float32)
+    shares = np.zeros((len(positions), stop - start), dtype=np.float32)
     each = np.arange(len(positions))
     for node in range(_STENCIL):
         others = [other for other in range(_STENCIL) if other != node]
-        weight = np.prod([(t - other) / (node - other) for other in others], axis=0)
-        weights[each, first - start + node] = weight
-    return slice(start, stop), weights
+        share = np.prod([(t - other) / (node - other) for other in others], axis=0)
+        shares[each, first - start + node] = share
+    return slice(start, stop), shares
 
 
-def _refined(coarse: Array) -> Array:
+def refined(coarse: Array) -> Array:
     """Values interpolated at twice the nodes, shape (2, rows, columns)."""
     across_rows, across_columns = (
-        _weights(np.arange(2 * nodes - 1, dtype=np.float64), 2 * nodes - 1, nodes)[1]
+        weights(np.arange(2 * nodes - 1, dtype=np.float64), 2 * nodes - 1, nodes)[1]
         for nodes in coarse.shape[1:]
     )
     return across_rows @ coarse @ across_columns.T

@@ -165,6 +165,18 @@ def with_metadata(data: bytes, metadata: Metadata, note: str, *, alpha: bool) ->
     )
 
 
+def with_fields(data: bytes, fields: Iterable[Field]) -> bytes:
+    """A little-endian TIFF file with fields added to its first directory."""
+    held, _ = read_directory(data, first_directory(data))
+    data = _even(data)
+    return (
+        data[:4]
+        + struct.pack("<I", len(data))
+        + data[8:]
+        + directory_bytes([*held, *fields], len(data), "<")
+    )
+
+
 def _described(block: bytes) -> list[Field]:
     """The first directory's fields but for those that describe the stored pixels.
 

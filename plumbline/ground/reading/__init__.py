@@ -1,0 +1,1 @@
+"""Match points, tapes and lines of a photographed plane, from files."""
