@@ -181,7 +181,7 @@ def apart(points: Array) -> NDArray[np.int64]:
 
 
 def _clear(first: _Features, second: _Features) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Features of the first picture clearly alike one of the second, most alike first, and these."""
+    """Features of the first picture clearly like one of the second, most alike first; those."""
     if len(second.points) < 2 or not len(first.points):
         none = np.zeros(0, dtype=np.int64)
         return none, none

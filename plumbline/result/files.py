@@ -13,7 +13,9 @@ from plumbline.errors import ReadError
 from plumbline.files import ZOOM, read_bytes
 from plumbline.formats.base import Source
 from plumbline.result.calibration import Calibration
+from plumbline.result.pair import PairCalibration
 from plumbline.result.reading import from_json
+from plumbline.trust.matched import UNSEEN
 
 _ROUNDING = 1e-6
 
@@ -73,8 +75,24 @@ def consistent_results(text: str, path: str) -> tuple[Calibration, ...]:
     return calibrations
 
 
+def _contradiction_of_matches(made: PairCalibration) -> str:
+    """As `_contradiction`, for matches."""
+    kept, stored = np.concatenate(made.kept), np.concatenate(made.residuals_px)
+    distance = np.nan_to_num(np.linalg.norm(made.vectors_px, axis=1), nan=np.inf)
+    if not np.allclose(distance, stored, rtol=_ROUNDING, atol=_ROUNDING):
+        return "the lens does not leave the matches the residuals that are stored"
+    if made.dof != 2 * int(kept.sum()) - len(made.free) - UNSEEN:
+        return "the degrees of freedom are not those of the matches"
+    sigma_px = np.sqrt(np.sum(distance[kept] ** 2) / made.dof)
+    if not np.isclose(made.sigma_px, sigma_px, rtol=_ROUNDING, atol=_ROUNDING):
+        return "σ̂ is not that of the residuals"
+    return ""
+
+
 def _contradiction(made: Calibration) -> str:
     """What does not go together, or nothing."""
+    if isinstance(made, PairCalibration):
+        return _contradiction_of_matches(made)
     kept, residuals_px = np.concatenate(made.kept), np.concatenate(made.residuals_px)
     centre = float(made.lens.model.factor(np.float64(0.0), made.lens.vector))
     if not centre > 0 or not np.array_equal(made.linearised.kept, kept):

@@ -22,6 +22,7 @@ from plumbline.models import get_model
 from plumbline.observations import Line, Observations, Origin, Photo
 from plumbline.observations.facts import LensFacts
 from plumbline.result.calibration import Calibration
+from plumbline.result.pair import PairCalibration
 from plumbline.result.writing import FORMAT_VERSION
 from plumbline.trust.bootstrap import Bootstrap
 from plumbline.trust.suspect import KINDS, Suspect
@@ -117,7 +118,7 @@ def _calibration(data: Mapping[str, Any]) -> Calibration:
         raise _DamageError("the coefficients do not fit the model")
     if data["residual"] not in ("image", "corrected"):
         raise _DamageError("the kind of residual is not known")
-    return Calibration(
+    known: dict[str, Any] = dict(
         observations=observations,
         lens=lens,
         free=free,
@@ -138,6 +139,12 @@ def _calibration(data: Mapping[str, Any]) -> Calibration:
         command=str(data.get("command", "")),
         version=str(data["plumbline"]),
     )
+    if "pair" not in data:
+        return Calibration(**known)
+    scale = _number(data["pair"]["scale"])
+    if not scale > 0 or any(line.corrected_px is None for line in observations.lines):
+        raise _DamageError("a pair has a scale and matched points")
+    return PairCalibration(**known, scale=scale, place_px=_pair(data["pair"]["place_px"], _number))
 
 
 def _observations(stored: Mapping[str, Any]) -> Observations:
@@ -153,11 +160,18 @@ def _observations(stored: Mapping[str, Any]) -> Observations:
             for p in stored["photos"]
         ),
         lines=tuple(
-            Line(_array(line["points_px"], 2), int(line["photo"]), str(line["label"]))
+            Line(
+                _array(line["points_px"], 2),
+                int(line["photo"]),
+                str(line["label"]),
+                corrected_px=_matched(line),
+            )
             for line in stored["lines"]
         ),
         lenses=(_facts(stored["lens"]),),
-    ).checked()
+    )
+    paired = any(line.corrected_px is not None for line in observations.lines)
+    observations = observations.checked(singly=paired)
     if not all(0 <= line.photo < len(observations.photos) for line in observations.lines):
         raise _DamageError("a line lies in no photo")
     origins = tuple(
@@ -166,6 +180,16 @@ def _observations(stored: Mapping[str, Any]) -> Observations:
     )
     notes = tuple(str(note) for note in stored["notes"])
     return replace(observations, origins=origins, notes=notes)
+
+
+def _matched(line: Mapping[str, Any]) -> Array | None:
+    """Where a corrected picture shows the points, if they are matches."""
+    if "corrected_px" not in line:
+        return None
+    corrected_px = _array(line["corrected_px"], 2)
+    if corrected_px.shape != np.shape(line["points_px"]) or corrected_px.shape[1:] != (2,):
+        raise _DamageError("the matched points are not as many as the points")
+    return corrected_px
 
 
 def _lens(data: Mapping[str, Any], observations: Observations) -> Lens:

@@ -15,7 +15,9 @@ import numpy as np
 
 from plumbline._version import __version__
 from plumbline.files import RESULT
+from plumbline.observations import Line
 from plumbline.result.calibration import Calibration
+from plumbline.result.pair import PairCalibration
 from plumbline.trust.straightness import LineStraightness
 from plumbline.trust.suspect import Suspect
 
@@ -68,9 +70,17 @@ def as_dict(made: Calibration) -> dict[str, Any]:
         "notes": list(made.notes),
         "remarks": list(made.remarks),
         "command": made.command,
+        **_pair(made),
         "lines": [_line(line) for line in made.lines],
         "observations": _observations(made),
     }
+
+
+def _pair(made: Calibration) -> dict[str, Any]:
+    """How the corrected picture lies, where there is one."""
+    if not isinstance(made, PairCalibration):
+        return {}
+    return {"pair": {"scale": made.scale, "place_px": list(made.place_px)}}
 
 
 def _displacement(made: Calibration) -> dict[str, Any] | None:
@@ -124,6 +134,10 @@ def _suspect(made: Calibration, suspect: Suspect) -> dict[str, Any]:
     }
 
 
+def _corrected(line: Line) -> dict[str, Any]:
+    return {} if line.corrected_px is None else {"corrected_px": line.corrected_px.tolist()}
+
+
 def _observations(made: Calibration) -> dict[str, Any]:
     observations = made.observations
     return {
@@ -142,6 +156,7 @@ def _observations(made: Calibration) -> dict[str, Any]:
                 "label": line.label,
                 "photo": line.photo,
                 "points_px": line.points_px.tolist(),
+                **_corrected(line),
                 "before_px": before.tolist(),
                 "residuals_px": [r if np.isfinite(r) else None for r in after.tolist()],
                 "left_out": np.flatnonzero(~kept).tolist(),

@@ -29,15 +29,17 @@ def photo(subject: Subject) -> Any:
     axes.set_aspect(1 / frame.pixel_aspect)
     raster = sum(len(line.kept) for line in lines) > style.MANY
     thin = 0.4 if raster else 1.0
+    lines_of_a_fit = [line.curve_px for line in lines if len(line.curve_px)]
     curves = LineCollection(
-        [line.curve_px for line in lines],
+        lines_of_a_fit,
         colors=style.SKY,
         linewidths=1.1 * thin,
         path_effects=_cased(2.2 * thin, _CASING),
         rasterized=raster,
         label="fitted lines, as the lens shows them",
     )
-    axes.add_collection(curves, autolim=False)
+    if lines_of_a_fit:
+        axes.add_collection(curves, autolim=False)
     factor = magnification(lines, min(frame.square_size))
     axes.add_collection(
         LineCollection(
