@@ -71,7 +71,7 @@ def fit_matches(
         PairError: too few matches agree.
     """
     setting = _approached(start, free, observed_px, corrected_px)
-    kept = np.ones(len(observed_px), dtype=np.bool_)
+    kept, converged = np.ones(len(observed_px), dtype=np.bool_), False
     for _ in range(_MOST_STEPS):
         rest = residual_px(setting, observed_px, corrected_px)
         spread = max(_spread(rest[kept]), _SETTLED_PX)
@@ -122,7 +122,7 @@ def _least_squares(
     rest = residual_px(setting, observed_px, corrected_px) * root[:, None]
     for _ in range(steps):
         slopes = derivatives(setting, free, corrected_px) * root[:, None, None]
-        seen = np.isfinite(rest).all(axis=1) & np.isfinite(slopes).all(axis=(1, 2))
+        seen = np.isfinite(rest[:, 0]) & np.all(np.isfinite(slopes), axis=(1, 2))
         normal = np.einsum("nik,nil->kl", slopes[seen], slopes[seen])
         gradient = np.einsum("nik,ni->k", slopes[seen], rest[seen])
         scale = np.sqrt(np.maximum(np.diag(normal), 1e-300))

@@ -136,6 +136,7 @@ def _similarity(matches: Matches) -> tuple[Any, int]:
     if len(matches) < _LEAST:
         return None, 0
     reach = _AGREE * float(np.ptp(matches.corrected_px, axis=0).max())
+    found: Any
     found, good = cv2.estimateAffinePartial2D(
         matches.observed_px,
         matches.corrected_px,

@@ -65,7 +65,8 @@ def consistent_results(text: str, path: str) -> tuple[Calibration, ...]:
     """
     calibrations = from_json(text, path)
     for made in calibrations:
-        wrong = _contradiction(made)
+        paired = isinstance(made, PairCalibration)
+        wrong = _contradiction_of_matches(made) if paired else _contradiction(made)
         if wrong:
             raise ReadError(
                 f"this result was changed since it was written: {wrong}",
@@ -91,8 +92,6 @@ def _contradiction_of_matches(made: PairCalibration) -> str:
 
 def _contradiction(made: Calibration) -> str:
     """What does not go together, or nothing."""
-    if isinstance(made, PairCalibration):
-        return _contradiction_of_matches(made)
     kept, residuals_px = np.concatenate(made.kept), np.concatenate(made.residuals_px)
     centre = float(made.lens.model.factor(np.float64(0.0), made.lens.vector))
     if not centre > 0 or not np.array_equal(made.linearised.kept, kept):

@@ -57,7 +57,7 @@ class PairAssessment(Assessment):
             part,
         )
 
-    @property
+    @cached_property
     def model_error(self) -> ModelError | None:
         """Not known: the residuals over the radius show whether the model follows the pair."""
         return None

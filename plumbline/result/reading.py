@@ -7,7 +7,7 @@ point at something.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, TypeVar
 
@@ -23,6 +23,15 @@ from plumbline.observations import Line, Observations, Origin, Photo
 from plumbline.observations.facts import LensFacts
 from plumbline.result.calibration import Calibration
 from plumbline.result.pair import PairCalibration
+from plumbline.result.values import (
+    DamageError,
+    array_of,
+    finite,
+    pair_of,
+    size,
+    truth,
+    whole_number,
+)
 from plumbline.result.writing import FORMAT_VERSION
 from plumbline.trust.bootstrap import Bootstrap
 from plumbline.trust.suspect import KINDS, Suspect
@@ -41,12 +50,7 @@ _NUMBERS = (
     "focal_px",
     "aspect_ratio",
 )
-_MOST = 1e100
 _WRONG_KIND = (ValueError, TypeError, IndexError, AttributeError, OverflowError)
-
-
-class _DamageError(Exception):
-    """What is wrong with the file, in words for the user."""
 
 
 def from_json(text: str, path: str) -> tuple[Calibration, ...]:
@@ -72,7 +76,7 @@ def from_json(text: str, path: str) -> tuple[Calibration, ...]:
             line=error.lineno,
             hint=_AGAIN,
         ) from None
-    except (PlumblineError, _DamageError) as error:
+    except (PlumblineError, DamageError) as error:
         raise ReadError(f"the calibration is damaged: {error}", path=path, hint=_AGAIN) from None
     except _WRONG_KIND:
         raise ReadError(
@@ -96,7 +100,7 @@ def _refuse_others(whole: Any, path: str) -> None:
 
 
 def _not_finite(name: str) -> float:
-    raise _DamageError(f"{name} is no finite number")
+    raise DamageError(f"{name} is no finite number")
 
 
 def _calibration(data: Mapping[str, Any]) -> Calibration:
@@ -105,63 +109,63 @@ def _calibration(data: Mapping[str, Any]) -> Calibration:
     sizes = [len(line.points_px) for line in observations.lines]
     residuals_px = tuple(_residuals(line["residuals_px"]) for line in stored["lines"])
     if [len(values) for values in residuals_px] != sizes:
-        raise _DamageError("the residuals do not fit the points")
+        raise DamageError("the residuals do not fit the points")
     every = zip(stored["lines"], residuals_px, strict=True)
     kept = tuple(_kept(line.get("left_out", []), values) for line, values in every)
     if not any(which.any() for which in kept):
-        raise _DamageError("every pick is left out")
+        raise DamageError("every pick is left out")
     free = tuple(str(name) for name in data["free"])
     lens = _lens(data, observations)
-    start = {str(name): _number(value) for name, value in data["start"].items()}
+    start = {str(name): finite(value) for name, value in data["start"].items()}
     names = set(lens.coefficients)
     if not set(free) <= names or len(set(free)) < len(free) or set(start) != names:
-        raise _DamageError("the coefficients do not fit the model")
+        raise DamageError("the coefficients do not fit the model")
     if data["residual"] not in ("image", "corrected"):
-        raise _DamageError("the kind of residual is not known")
-    known: dict[str, Any] = dict(
-        observations=observations,
-        lens=lens,
-        free=free,
-        start=start,
-        residual=data["residual"],
-        covariance=_covariance(data["covariance"], free),
-        sigma_px=_size(data["sigma_px"]),
-        dof=_whole(data["dof"], least=1),
-        residuals_px=residuals_px,
-        rms_corrected_px=_size(data["rms_corrected_px"]),
-        converged=_truth(data["converged"]),
-        reason=str(data["reason"]),
-        remarks=tuple(str(note) for note in data["remarks"]),
-        kept=kept,
-        suspects=tuple(_suspect(each, sizes) for each in data.get("suspects", [])),
-        robust=_truth(data.get("robust", False)),
-        bootstrap=_bootstrap(data.get("bootstrap"), free),
-        command=str(data.get("command", "")),
-        version=str(data["plumbline"]),
-    )
+        raise DamageError("the kind of residual is not known")
+    known: dict[str, Any] = {
+        "observations": observations,
+        "lens": lens,
+        "free": free,
+        "start": start,
+        "residual": data["residual"],
+        "covariance": _covariance(data["covariance"], free),
+        "sigma_px": size(data["sigma_px"]),
+        "dof": whole_number(data["dof"], least=1),
+        "residuals_px": residuals_px,
+        "rms_corrected_px": size(data["rms_corrected_px"]),
+        "converged": truth(data["converged"]),
+        "reason": str(data["reason"]),
+        "remarks": tuple(str(note) for note in data["remarks"]),
+        "kept": kept,
+        "suspects": tuple(_suspect(each, sizes) for each in data.get("suspects", [])),
+        "robust": truth(data.get("robust", False)),
+        "bootstrap": _bootstrap(data.get("bootstrap"), free),
+        "command": str(data.get("command", "")),
+        "version": str(data["plumbline"]),
+    }
     if "pair" not in data:
         return Calibration(**known)
-    scale = _number(data["pair"]["scale"])
+    scale = finite(data["pair"]["scale"])
     if not scale > 0 or any(line.corrected_px is None for line in observations.lines):
-        raise _DamageError("a pair has a scale and matched points")
-    return PairCalibration(**known, scale=scale, place_px=_pair(data["pair"]["place_px"], _number))
+        raise DamageError("a pair has a scale and matched points")
+    return PairCalibration(**known, scale=scale, place_px=pair_of(data["pair"]["place_px"], finite))
 
 
 def _observations(stored: Mapping[str, Any]) -> Observations:
     observations = Observations(
         photos=tuple(
             Photo(
-                _pair(p["size"], int),
+                pair_of(p["size"], int),
                 str(p["name"]),
                 0,
-                _number(p["pixel_aspect"]),
+                finite(p["pixel_aspect"]),
                 int(p["number"]),
             )
             for p in stored["photos"]
         ),
         lines=tuple(
             Line(
-                _array(line["points_px"], 2),
+                array_of(line["points_px"], 2),
                 int(line["photo"]),
                 str(line["label"]),
                 corrected_px=_matched(line),
@@ -173,7 +177,7 @@ def _observations(stored: Mapping[str, Any]) -> Observations:
     paired = any(line.corrected_px is not None for line in observations.lines)
     observations = observations.checked(singly=paired)
     if not all(0 <= line.photo < len(observations.photos) for line in observations.lines):
-        raise _DamageError("a line lies in no photo")
+        raise DamageError("a line lies in no photo")
     origins = tuple(
         Origin(str(o["path"]), str(o["format"]), checksum=str(o.get("sha256", "")))
         for o in stored["origins"]
@@ -186,9 +190,9 @@ def _matched(line: Mapping[str, Any]) -> Array | None:
     """Where a corrected picture shows the points, if they are matches."""
     if "corrected_px" not in line:
         return None
-    corrected_px = _array(line["corrected_px"], 2)
+    corrected_px = array_of(line["corrected_px"], 2)
     if corrected_px.shape != np.shape(line["points_px"]) or corrected_px.shape[1:] != (2,):
-        raise _DamageError("the matched points are not as many as the points")
+        raise DamageError("the matched points are not as many as the points")
     return corrected_px
 
 
@@ -196,21 +200,21 @@ def _lens(data: Mapping[str, Any], observations: Observations) -> Lens:
     return Lens(
         get_model(str(data["model"])),
         observations.photos[0].frame,
-        {str(name): _number(value) for name, value in data["coefficients"].items()},
-        None if data["focal_px"] is None else _number(data["focal_px"]),
+        {str(name): finite(value) for name, value in data["coefficients"].items()},
+        None if data["focal_px"] is None else finite(data["focal_px"]),
     )
 
 
 def _covariance(values: Any, free: tuple[str, ...]) -> Array:
-    covariance = _array(values, 2)
+    covariance = array_of(values, 2)
     if covariance.shape != (len(free), len(free)) or np.any(np.diag(covariance) < 0):
-        raise _DamageError("the covariance does not fit the free coefficients")
+        raise DamageError("the covariance does not fit the free coefficients")
     deviations = np.sqrt(np.diag(covariance))
     scale = np.outer(deviations, deviations)
     correlation = np.divide(covariance, scale, out=np.zeros_like(scale), where=scale > 0)
     symmetric = np.allclose(correlation, correlation.T, rtol=0, atol=1e-6)
     if not symmetric or (len(free) and np.min(np.linalg.eigvalsh(correlation)) < -1e-6):
-        raise _DamageError("the covariance is none")
+        raise DamageError("the covariance is none")
     return covariance
 
 
@@ -218,16 +222,16 @@ def _bootstrap(data: Any, free: tuple[str, ...]) -> Bootstrap | None:
     if data is None:
         return None
     if set(data["intervals"]) != set(free):
-        raise _DamageError("the bootstrap does not fit the free coefficients")
-    intervals = _array([_pair(data["intervals"][name], _number) for name in free], 2)
+        raise DamageError("the bootstrap does not fit the free coefficients")
+    intervals = array_of([pair_of(data["intervals"][name], finite) for name in free], 2)
     covariance = _covariance(data["covariance"], free)
-    fits, failed = (_whole(data[name], least=0) for name in ("fits", "failed"))
+    fits, failed = (whole_number(data[name], least=0) for name in ("fits", "failed"))
     return Bootstrap(fits, failed, covariance, intervals)
 
 
 def _residuals(values: Any) -> Array:
     """Residuals of one line; null for a pick that was left out beyond the fold."""
-    known = [np.inf if value is None else _number(value) for value in values]
+    known = [np.inf if value is None else finite(value) for value in values]
     return np.array(known, dtype=np.float64)
 
 
@@ -235,84 +239,46 @@ def _kept(left_out: Any, residuals_px: Array) -> NDArray[np.bool_]:
     kept = np.ones(len(residuals_px), dtype=np.bool_)
     kept[_places(left_out, len(kept))] = False
     if not np.all(np.isfinite(residuals_px[kept])):
-        raise _DamageError("a pick without a residual is not left out")
+        raise DamageError("a pick without a residual is not left out")
     return kept
 
 
 def _places(values: Any, n: int) -> list[int]:
     """Which of a line's n picks."""
     if not isinstance(values, list):
-        raise _DamageError("places of picks are no list")
-    places = [_whole(value, least=0) for value in values]
+        raise DamageError("places of picks are no list")
+    places = [whole_number(value, least=0) for value in values]
     if not all(place < n for place in places):
-        raise _DamageError("a pick is named that there is not")
+        raise DamageError("a pick is named that there is not")
     return places
 
 
 def _suspect(data: Mapping[str, Any], sizes: Sequence[int]) -> Suspect:
-    line = _whole(data["line"], least=0)
+    line = whole_number(data["line"], least=0)
     picks = tuple(_places(data["picks"], sizes[line]))
     if not picks:
-        raise _DamageError("a suspect is no pick at all")
+        raise DamageError("a suspect is no pick at all")
     if data["kind"] not in KINDS:
-        raise _DamageError(f"there is no kind of suspect {data['kind']!r}")
+        raise DamageError(f"there is no kind of suspect {data['kind']!r}")
     away, size = data["residual_px"], data["studentised"]
     return Suspect(
         line,
         picks,
         data["kind"],
-        np.inf if away is None else _number(away),
-        np.inf if size is None else _number(size),
-        _truth(data["left_out"]),
+        np.inf if away is None else finite(away),
+        np.inf if size is None else finite(size),
+        truth(data["left_out"]),
         str(data["sentence"]),
     )
-
-
-def _truth(value: Any) -> bool:
-    if not isinstance(value, bool):
-        raise _DamageError(f"{value!r} is neither true nor false")
-    return value
-
-
-def _whole(value: Any, *, least: int) -> int:
-    if not isinstance(value, int) or isinstance(value, bool) or not least <= value <= _MOST:
-        raise _DamageError(f"{value!r} is no whole number from {least} on")
-    return value
-
-
-def _size(value: Any) -> float:
-    number = _number(value)
-    if number < 0:
-        raise _DamageError(f"{number:g} is negative")
-    return number
-
-
-def _pair(values: Any, of: Callable[[Any], T]) -> tuple[T, T]:
-    first, second = values
-    return of(first), of(second)
-
-
-def _array(values: Any, dimensions: int) -> Array:
-    array = np.array(values, dtype=np.float64)
-    if array.ndim != dimensions or not np.all(np.abs(array) <= _MOST):
-        raise _DamageError("an array has the wrong shape or holds an absurd number")
-    return array
-
-
-def _number(value: Any) -> float:
-    number = float(value)
-    if not abs(number) <= _MOST:
-        raise _DamageError(f"{number:g} is an absurd number")
-    return number
 
 
 def _facts(data: Mapping[str, Any]) -> LensFacts:
     facts: dict[str, Any] = {name: str(data[name]) for name in _TEXTS}
     facts |= {name: str(data.get(name, "")) for name in _LATER_TEXTS}
-    facts |= {name: None if data[name] is None else _number(data[name]) for name in _NUMBERS}
+    facts |= {name: None if data[name] is None else finite(data[name]) for name in _NUMBERS}
     requested = data["requested"]
     return LensFacts(
         **facts,
-        stored={str(name): _number(value) for name, value in data["stored"].items()},
+        stored={str(name): finite(value) for name, value in data["stored"].items()},
         requested=None if requested is None else tuple(str(name) for name in requested),
     )

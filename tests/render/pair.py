@@ -4,6 +4,7 @@ The scene is painted where a perfect lens would show it; nothing here knows how 
 or a lens fitted.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -91,8 +92,9 @@ def scene(seed: int, size: tuple[int, int]) -> Layer:
     return cv2.GaussianBlur(wall, (0, 0), 0.8).astype(np.float32)
 
 
-def _seen(pair: Pair, wall: Layer, size: tuple[int, int], to_ideal: object) -> Layer:
-    assert callable(to_ideal)
+def _seen(
+    pair: Pair, wall: Layer, size: tuple[int, int], to_ideal: Callable[[Array], Array]
+) -> Layer:
     steps = (np.arange(RAYS) + 0.5) / RAYS - 0.5
     pixels = np.stack(np.meshgrid(np.arange(size[0]), np.arange(size[1])), -1).astype(np.float64)
     margin = MARGIN * np.array(pair.size)
@@ -128,4 +130,4 @@ def true_matches(pair: Pair, n: int, noise_px: float, seed: int) -> tuple[Array,
 
 
 def _within(points: Array, size: tuple[int, int]) -> NDArray[np.bool_]:
-    return ((points >= 0) & (points <= np.array(size) - 1)).all(axis=1)
+    return np.all((points >= 0) & (points <= np.array(size) - 1), axis=1)

@@ -55,7 +55,9 @@ def photo(subject: Subject) -> Any:
     kept, out = (_points(lines, kept=which) for which in (True, False))
     dots: dict[str, Any] = {"linestyle": "none", "rasterized": raster, "zorder": 4}
     look: dict[str, Any] = {"mfc": _CASING, "mec": "white", "mew": 0.8 * thin}
-    axes.plot(*kept.T, "o", ms=3.2 * thin, label="picks", **look, **dots)
+    axes.plot(
+        *kept.T, "o", ms=3.2 * thin, label="picks" if lines_of_a_fit else "matches", **look, **dots
+    )
     if len(out):
         axes.plot(
             *out.T, "X", ms=6, mfc=style.PURPLE, mec="white", mew=0.8, label="left out", **dots
