@@ -138,8 +138,8 @@ def _similarity(matches: Matches) -> tuple[Any, int]:
     reach = _AGREE * float(np.ptp(matches.corrected_px, axis=0).max())
     found: Any
     found, good = cv2.estimateAffinePartial2D(
-        matches.observed_px,
-        matches.corrected_px,
+        np.ascontiguousarray(matches.observed_px),
+        np.ascontiguousarray(matches.corrected_px),
         method=cv2.RANSAC,
         ransacReprojThreshold=reach,
         maxIters=5000,
