@@ -21,6 +21,10 @@ if TYPE_CHECKING:
     from plumbline.boards.find import (
         find_board as find_board,
     )
+    from plumbline.edges.find import (
+        Found as Found,
+        find_edges as find_edges,
+    )
     from plumbline.edges.snap import (
         Snapped as Snapped,
         snap as snap,
@@ -146,6 +150,7 @@ _HOMES = {
         "UnsupportedModelError",
         "WriteError",
     ),
+    "plumbline.edges.find": ("Found", "find_edges"),
     "plumbline.edges.snap": ("Snapped", "snap"),
     "plumbline.fit.bootstrap": ("bootstrap",),
     "plumbline.fit.calibrate": ("calibrate", "calibrate_many"),

@@ -12,7 +12,7 @@ from pathlib import Path
 from plumbline.errors import ReadError, WriteError
 
 MARK = "made by plumbline"
-"""Stands in the head of every PTO and XML that plumbline makes from nothing, and ends its maps."""
+"""Stands in the head of every PTO and XML that plumbline creates, and ends its maps."""
 
 RESULT = "plumbline calibration"
 """Stands in the head of every JSON of calibrations that plumbline makes."""
@@ -93,7 +93,7 @@ def refuse_to_clobber(target: Path, inputs: Sequence[str], *, overwrite: bool) -
             hint="choose another name with -o",
         )
     if exists and not is_file:
-        raise WriteError("this is no regular file", path=target, hint="name a file with -o")
+        raise WriteError("this is not a regular file", path=target, hint="name a file with -o")
     if exists and not overwrite and not _is_ours(target):
         raise WriteError(
             "this file exists and was not written by plumbline",

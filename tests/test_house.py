@@ -25,6 +25,7 @@ FLOORS = (
     "ground",
     "writing imaging boards edges pairs",
     "report",
+    "pick",
     "cli",
 )
 """From the ground up: a room imports from the floors below its own."""

@@ -12,7 +12,7 @@ _HELP = """Measure places, distances, angles and areas in a rectified photograph
 
 PICKS holds points of the same photo, as x,y,name in pixels; the points of the rectification have
 names too. Every value comes with its standard error and its 95 % interval, every place with its
-95 % ellipse: they hold the errors of picks, points, lens and camera, and the unevenness of the plane.
+95 % ellipse: they hold the errors of picks, points, lens and camera, and the plane's unevenness.
 Without a quantity, all places and the distances from each pick to the next are measured.
 
 \b

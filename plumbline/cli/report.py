@@ -28,9 +28,16 @@ Examples:
 @click.option("-o", "--output", metavar="FILE", help="Write the page to this file (.html).")
 @options.plotting
 @click.option("--photo", metavar="FILE", help="The photograph, where it is not found by its name.")
+@options.assignment
 @options.overwriting
 def command(
-    result: str, output: str | None, plots: tuple[str, ...], photo: str | None, overwrite: bool
+    result: str,
+    output: str | None,
+    plots: tuple[str, ...],
+    photo: str | None,
+    case: str | None,
+    examiner: str | None,
+    overwrite: bool,
 ) -> None:
     """Read, draw, write."""
     from rich.console import Console
@@ -54,6 +61,8 @@ def command(
         Console(stderr=True),
         photo=photo,
         source=result,
+        case=case or "",
+        examiner=examiner or "",
         overwrite=overwrite,
     )
     write_atomically(contents)

@@ -174,18 +174,36 @@ def _without_strays(samples: Samples) -> Samples:
     return replace(samples, good=good)
 
 
-def _robust_fit(samples: Samples) -> np.polynomial.Polynomial | None:
+@dataclass(frozen=True, eq=False)
+class _Smooth:
+    """A polynomial in places along a guide."""
+
+    c: Array
+    low: float
+    high: float
+
+    def __call__(self, along: Array) -> Array:
+        return _powers(along, self.low, self.high, len(self.c)) @ self.c
+
+
+def _powers(along: Array, low: float, high: float, number: int) -> Array:
+    at = (2 * along - low - high) / (high - low)
+    return np.polynomial.legendre.legvander(at, number - 1)
+
+
+def _robust_fit(samples: Samples) -> _Smooth | None:
+    """A cubic through the good samples, or a straight line through few, strays left out."""
     along, offset = samples.along[samples.good], samples.offset[samples.good]
     if len(along) < 4:
         return None
-    span = samples.along[[0, -1]]
-    degree = 3 if np.ptp(along) > 0.5 * np.ptp(span) and len(along) >= 12 else 1
-    weight = np.ones(len(along))
-    domain = [float(span[0]), float(span[1])]
-    fit = np.polynomial.Polynomial([0.0])
+    low, high = float(samples.along[0]), float(samples.along[-1])
+    number = 4 if np.ptp(along) > 0.5 * (high - low) and len(along) >= 12 else 2
+    powers = _powers(along, low, high, number)
+    weight, c = np.ones(len(along)), np.zeros(number)
     for _ in range(8):
-        fit = np.polynomial.Polynomial.fit(along, offset, degree, domain=domain, w=weight)
-        gap = offset - fit(along)
+        normal = (powers * weight[:, None]).T @ powers + 1e-9 * np.eye(number)
+        c = np.linalg.solve(normal, (powers * weight[:, None]).T @ offset)
+        gap = offset - powers @ c
         scatter = max(_FLOOR_PX, 1.4826 * float(np.median(np.abs(gap))))
-        weight = np.maximum(1 - (gap / (_TUKEY * scatter)) ** 2, 1e-6)
-    return fit
+        weight = np.maximum(1 - (gap / (_TUKEY * scatter)) ** 2, 1e-6) ** 2
+    return _Smooth(c, low, high)

@@ -20,7 +20,7 @@ from plumbline.models import get_model
 
 Whole = NDArray[np.int64]
 
-_STRONGEST = 0.45
+STRONGEST = 0.45
 """Largest l1 of the division model that is tried: a fisheye's, 20 % at the corner and more."""
 
 _TRIED = 61
@@ -29,7 +29,12 @@ _PRIOR = 0.3
 """Standard deviation that is expected of a coefficient: keeps lines near the centre, which say
 nothing of the corner, from inventing a lens."""
 
+_CENTRE = 0.03
+"""Standard deviation of the distortion centre over R: specimens scatter by 1.5 %."""
+
 _STEPS = 12
+"""Gauss–Newton steps; from the division model's curve five reach the end (chosen, twice that)."""
+
 _USUAL = 3.0
 """Times the median rms of lines from which a line counts less."""
 
@@ -63,7 +68,7 @@ def one_coefficient(lines: Sequence[Array], frame: Frame) -> RoughLens:
 
     corner = frame.corner_radius
     # Beyond half of 1 / corner², the photo's corner comes near the model's pole or fold.
-    low, high = max(-_STRONGEST, -0.5 / corner**2), min(_STRONGEST, 0.5 / corner**2)
+    low, high = max(-STRONGEST, -0.5 / corner**2), min(STRONGEST, 0.5 / corner**2)
     tried = np.linspace(low, high, _TRIED)
     best = int(np.argmin([cost(float(value)) for value in tried]))
     step = float(tried[1] - tried[0])
@@ -71,15 +76,28 @@ def one_coefficient(lines: Sequence[Array], frame: Frame) -> RoughLens:
     while step > 1e-6:
         step /= 2
         l1 = min((l1 - step, l1, l1 + step), key=cost)
-    vector = {"l1": l1, "l2": 0.0, "d": 0.0, "e": 0.0}
-    lens = Lens(get_model("division"), frame, vector)
-    return _rated(lens, problem.residuals(lambda r: 1 / (1 + l1 * r**2)), problem, 1)
+    return _rated(
+        division_lens(l1, frame), problem.residuals(lambda r: 1 / (1 + l1 * r**2)), problem, 1
+    )
 
 
-def polynomial(lines: Sequence[Array], start: RoughLens) -> RoughLens:
+def division_lens(l1: float, frame: Frame) -> Lens:
+    """The division model with one coefficient."""
+    return Lens(get_model("division"), frame, {"l1": l1, "l2": 0.0, "d": 0.0, "e": 0.0})
+
+
+def polynomial(
+    lines: Sequence[Array], start: RoughLens, *, weights: Array | None = None, centre: bool = False
+) -> RoughLens:
     """The radial polynomial that makes lines of points straight, from a first lens.
 
     The first lens is returned where the polynomial folds inside the photo.
+
+    Args:
+        lines: Points in pixels, shape (n, 2) each, n ≥ 3.
+        start: The division model's lens of the same photo.
+        weights: How much each line counts; by how straight it is among the others by default.
+        centre: Find the distortion centre too.
     """
     frame = start.lens.frame
     problem = _Problem.of(lines, frame)
@@ -87,28 +105,31 @@ def polynomial(lines: Sequence[Array], start: RoughLens) -> RoughLens:
     radius = np.linspace(0.02, frame.corner_radius, 50)
     powers = np.stack([radius**power for power in _POWERS], axis=-1)
     solved = np.linalg.lstsq(powers, 1 / (1 + l1 * radius**2) - 1, rcond=None)[0]
-    c: Array = np.asarray(solved, dtype=np.float64)
-    first = c.copy()
-    weight = np.ones(len(lines))
-    damping = 1e-3
+    first = np.concatenate((solved, np.zeros(2)))
+    free = np.arange(len(first) if centre else len(_POWERS))
+    tight = np.array([1 / _PRIOR**2] * len(_POWERS) + [1 / _CENTRE**2] * 2)[free]
+    c = first.copy()
     for _ in range(_STEPS):
-        values = problem.residuals(_factor(c))
-        weight = _weights(values, problem)
-        heavy = np.sqrt(weight[problem.line])
+        values = problem.bent(c)
+        heavy = np.sqrt((_weights(values, problem) if weights is None else weights)[problem.line])
         unit = max(_scatter(values, problem), 1e-3)
-        slope = np.stack([_change(problem, c, k, values) for k in range(len(c))], axis=-1)
-        normal = (slope * heavy[:, None]).T @ (slope * heavy[:, None]) / unit**2
-        normal += np.eye(len(c)) * (1 / _PRIOR**2) * (1 + damping)
-        gradient = (slope * heavy[:, None]).T @ (values * heavy) / unit**2 + (c - first) / _PRIOR**2
-        c = c - np.linalg.solve(normal, gradient)
-    vector = dict(zip((f"a{power}" for power in _POWERS), map(float, c), strict=True)) | {
-        "d": 0.0,
-        "e": 0.0,
-    }
-    lens = Lens(get_model("radial:" + ",".join(map(str, _POWERS))), frame, vector)
+        slope = np.stack([_change(problem, c, k, values) for k in free], axis=-1)
+        slope *= heavy[:, None] / unit
+        normal = slope.T @ slope + np.diag(tight)
+        gradient = slope.T @ (values * heavy / unit) + (c - first)[free] * tight
+        c[free] -= np.linalg.solve(normal, gradient)
+    lens = _polynomial_lens(c, frame)
     if lens.fold_radius_px() is not None:
         return start
-    return _rated(lens, problem.residuals(_factor(c)), problem, len(c))
+    return _rated(lens, problem.bent(c), problem, len(free))
+
+
+def _polynomial_lens(c: Array, frame: Frame) -> Lens:
+    names = [f"a{power}" for power in _POWERS]
+    d, e = (float(value) for value in c[len(names) :] / frame.per_px())
+    model = get_model("radial:" + ",".join(map(str, _POWERS)))
+    vector = dict(zip(names, map(float, c), strict=False)) | {"d": d, "e": e}
+    return Lens(model, frame, vector)
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,10 +147,15 @@ class _Problem:
         points = frame.normalise(np.concatenate(list(lines)))
         return _Problem(points, sizes, line_numbers(sizes), frame.radius_px)
 
-    def residuals(self, factor: Callable[[Array], Array]) -> Array:
+    def bent(self, c: Array) -> Array:
+        """Residuals of the polynomial with coefficients, then the centre."""
+        return self.residuals(_factor(c), c[len(_POWERS) :])
+
+    def residuals(self, factor: Callable[[Array], Array], centre: Array | None = None) -> Array:
         """Distances from straight lines in the photo's pixels: taken back by the local scale."""
-        scale = factor(np.hypot(self.points[:, 0], self.points[:, 1]))
-        ideal = self.points * scale[:, None]
+        points = self.points if centre is None else self.points - centre
+        scale = factor(np.hypot(points[:, 0], points[:, 1]))
+        ideal = points * scale[:, None]
         fitted = fit_lines(ideal, self.sizes, np.ones(len(ideal)))
         return fitted.place(ideal, self.line)[1] / scale * self.unit_px
 
@@ -137,7 +163,7 @@ class _Problem:
 def _factor(c: Array) -> Callable[[Array], Array]:
     def factor(r: Array) -> Array:
         total = np.ones_like(r)
-        for value, power in zip(c, _POWERS, strict=True):
+        for value, power in zip(c, _POWERS, strict=False):  # the centre comes after them
             total += value * r**power
         return total
 
@@ -148,7 +174,7 @@ def _change(problem: _Problem, c: Array, which: int, values: Array) -> Array:
     """Derivative of the residuals by one coefficient, by a difference."""
     moved = c.copy()
     moved[which] += 1e-6
-    return (problem.residuals(_factor(moved)) - values) / 1e-6
+    return (problem.bent(moved) - values) / 1e-6
 
 
 def _line_rms(values: Array, problem: _Problem) -> Array:

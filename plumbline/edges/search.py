@@ -45,11 +45,15 @@ _PREFER_SIGNED = 0.2
 _GRID = 19
 """Offsets tried at either end; with 2 px of scatter they are a pixel apart."""
 
-_KEPT = 6
-"""Best coarse curves of each kind that are refined."""
+_KEPT = 4
+"""Best coarse curves of each kind that are refined, by score and again by support."""
 
 SAME_PX = 2.0
 """Curves that are nowhere farther apart are one."""
+
+
+_ALONG = np.linspace(0, 1, 17)
+"""Places at which curves are compared."""
 
 
 class Curve(NamedTuple):
@@ -85,7 +89,6 @@ class Wanted(NamedTuple):
         scatter_px: Standard deviation of a pick across its line.
         reach_px: How far from the guide an edge may be.
         sag_px: How far the middle may be from the straight line between the ends.
-        weight: Of the picks' mean squared distance, against support.
     """
 
     share: Array
@@ -93,7 +96,6 @@ class Wanted(NamedTuple):
     scatter_px: float
     reach_px: float
     sag_px: float
-    weight: float = _PICKS
 
 
 def curves(strip: Strip, share: Array, wanted: Wanted) -> list[Curve]:
@@ -105,22 +107,16 @@ def curves(strip: Strip, share: Array, wanted: Wanted) -> list[Curve]:
         wanted: What the picks ask for.
     """
     found: list[Curve] = []
-    far = wanted._replace(weight=0.0)
     for kind in KINDS:
         evidence, first = _evidence(strip, kind)
         if evidence.any():
             found += _of_kind(evidence, first, kind, share, wanted)
-            if kind != "either":
-                found += _of_kind(evidence, first, kind, share, far)
-    found = [curve._replace(score=_score(curve, wanted)) for curve in found]
     found.sort(key=lambda curve: -curve.score)
-    return _distinct(found)
-
-
-def _score(curve: Curve, wanted: Wanted) -> float:
-    gap = (curve.offset(wanted.share) - wanted.offset) / wanted.scatter_px
-    signed = _PREFER_SIGNED * (curve.kind == "either")
-    return curve.support - wanted.weight * float(np.mean(gap**2)) - signed
+    kept: list[Curve] = []
+    for curve in found:  # the same place as another kind is the same
+        if not kept or np.min(np.max(np.abs(apart(curve, kept)), axis=1)) > SAME_PX:
+            kept.append(curve)
+    return kept
 
 
 def apart(one: Curve, others: Sequence[Curve]) -> Array:
@@ -129,9 +125,7 @@ def apart(one: Curve, others: Sequence[Curve]) -> Array:
 
 
 def _shapes(found: Sequence[Curve]) -> Array:
-    share = np.linspace(0, 1, 17)
-    basis = np.stack((1 - share, 4 * share * (1 - share), share))
-    return np.array([curve[:3] for curve in found]).reshape(-1, 3) @ basis
+    return np.array([curve[:3] for curve in found]).reshape(-1, 3) @ _basis(_ALONG)
 
 
 def _evidence(strip: Strip, kind: Kind) -> tuple[Array, float]:
@@ -159,48 +153,66 @@ def _between_flanks(strip: Strip, bend: Array, offset: Array) -> NDArray[np.bool
 def _of_kind(
     evidence: Array, first: float, kind: Kind, share: Array, wanted: Wanted
 ) -> list[Curve]:
+    """The best curves of a kind: by their score, and by their support wherever they are."""
     step = max(1.0, 2 * wanted.reach_px / (_GRID - 1))
     ends = np.arange(-wanted.reach_px, wanted.reach_px + 0.5 * step, step)
     sags = np.arange(-wanted.sag_px, wanted.sag_px + 0.5 * step, step)
-    sags = sags - sags.mean()
-    grid = np.stack(np.meshgrid(ends, sags, ends, indexing="ij"), axis=-1).reshape(-1, 3)
-    best = _best(grid, evidence, first, kind, share, wanted)
+    grid = _product(ends, sags - sags.mean(), ends)
+    support = _support(grid, evidence, first, share)
+    by_score = _distinct(grid, support - _against(grid, wanted), _KEPT)
+    starts = np.concatenate((by_score, _distinct(grid, support, _KEPT)))
     shifts = np.linspace(-step, step, 5)
-    near = np.stack(np.meshgrid(shifts, shifts, shifts, indexing="ij"), axis=-1).reshape(-1, 3)
-    found: list[Curve] = []
-    for curve in best:
-        local = np.array([curve.start, curve.sag, curve.end]) + near
-        found += _best(local, evidence, first, kind, share, wanted)[:1]
-    return found
-
-
-def _best(
-    grid: Array, evidence: Array, first: float, kind: Kind, share: Array, wanted: Wanted
-) -> list[Curve]:
-    """The best distinct ones of curves (n, 3)."""
-    basis = np.stack((1 - share, 4 * share * (1 - share), share))
-    column = np.rint(grid @ basis - first).astype(np.int64)
-    inside = (column >= 0) & (column < evidence.shape[1])
-    column = np.clip(column, 0, evidence.shape[1] - 1)
-    support = np.where(inside, evidence[np.arange(len(share)), column], 0.0).mean(axis=1)
-    at_picks = np.stack((1 - wanted.share, 4 * wanted.share * (1 - wanted.share), wanted.share))
-    gap = (grid @ at_picks - wanted.offset) / wanted.scatter_px
-    score = support - wanted.weight * np.mean(gap**2, axis=1) - _PREFER_SIGNED * (kind == "either")
-    order = np.argsort(-score, kind="stable")[: 20 * _KEPT]
-    made = [
-        Curve(float(a), float(b), float(c), kind, float(support[i]), float(score[i]))
-        for i, (a, b, c) in zip(order, grid[order], strict=True)
+    near = _product(shifts, shifts, shifts)
+    local = starts[:, None] + near
+    support = _support(local.reshape(-1, 3), evidence, first, share).reshape(len(starts), -1)
+    against = _against(local.reshape(-1, 3), wanted).reshape(len(starts), -1)
+    # Where the picks do not decide, they still break ties.
+    weight = np.where(np.arange(len(starts)) < len(by_score), 1.0, 1e-3)[:, None]
+    best = np.argmax(support - weight * against, axis=1)
+    minus = _PREFER_SIGNED * (kind == "either")
+    return [
+        Curve(
+            *(float(local[row, at, part]) for part in range(3)),
+            kind=kind,
+            support=float(support[row, at]),
+            score=float(support[row, at] - against[row, at]) - minus,
+        )
+        for row, at in enumerate(best)
     ]
-    return _distinct(made)[:_KEPT]
 
 
-def _distinct(found: Sequence[Curve]) -> list[Curve]:
-    """The curves that are not those before them; the same place as another kind is the same."""
-    shapes = _shapes(found)
-    left = np.arange(len(found))
-    kept: list[Curve] = []
-    while len(left):
-        kept.append(found[left[0]])
+def _product(first: Array, second: Array, third: Array) -> Array:
+    return np.stack(np.meshgrid(first, second, third, indexing="ij"), axis=-1).reshape(-1, 3)
+
+
+def _support(grid: Array, evidence: Array, first: float, share: Array) -> Array:
+    """Mean evidence under curves (n, 3)."""
+    column = np.rint(grid @ _basis(share) - first).astype(np.int64)
+    padded = np.pad(evidence, ((0, 0), (1, 1)))
+    column = np.clip(column, -1, evidence.shape[1]) + 1
+    flat = padded.ravel()[column + np.arange(len(share)) * padded.shape[1]]
+    return flat.mean(axis=1)
+
+
+def _against(grid: Array, wanted: Wanted) -> Array:
+    """What the picks say against curves (n, 3)."""
+    gap = (grid @ _basis(wanted.share) - wanted.offset) / wanted.scatter_px
+    return _PICKS * np.mean(gap**2, axis=1)
+
+
+def _basis(share: Array) -> Array:
+    """What start, sag and end do to offsets, shape (3, n)."""
+    return np.stack((1 - share, 4 * share * (1 - share), share))
+
+
+def _distinct(grid: Array, value: Array, most: int) -> Array:
+    """The best curves (n, 3) that are not those before them."""
+    order = np.argsort(-value, kind="stable")[: 20 * most]
+    shapes = grid[order] @ _basis(_ALONG)
+    left = np.arange(len(order))
+    kept: list[int] = []
+    while len(left) and len(kept) < most:
+        kept.append(int(left[0]))
         gap = np.max(np.abs(shapes[left] - shapes[left[0]]), axis=1)
         left = left[gap > SAME_PX]
-    return kept
+    return grid[order[kept]]

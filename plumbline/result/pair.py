@@ -16,10 +16,13 @@ from plumbline.observations import Observations
 from plumbline.result.calibration import Calibration
 from plumbline.trust.assessment import Assessment
 from plumbline.trust.check import Check
+from plumbline.trust.displacement import Displacement
 from plumbline.trust.jackknife import Jackknife
 from plumbline.trust.matched import Setting, jackknife, residual_px
 from plumbline.trust.matched_checks import checks_of_matches
 from plumbline.trust.model_error import ModelError
+from plumbline.trust.quoted import Quoted
+from plumbline.trust.steadiness import Steadiness
 from plumbline.trust.straightness import LineStraightness
 
 
@@ -61,6 +64,27 @@ class PairAssessment(Assessment):
     def model_error(self) -> ModelError | None:
         """Not known: the residuals over the radius show whether the model follows the pair."""
         return None
+
+    @cached_property
+    def steadiness(self) -> Steadiness | None:
+        """Not known: it is drawn for lines."""
+        return None
+
+    @property
+    def quotes_jackknife(self) -> bool:
+        """Whether leaving out parts says more than independent errors of the matches."""
+        own, wide = self.displacement, self.jackknife_displacement
+        return own is not None and wide is not None and wide.worst_px > own.worst_px
+
+    @cached_property
+    def quoted(self) -> Quoted | None:
+        """Not known: what the lens may do besides is asked of lines."""
+        return None
+
+    @property
+    def quoted_displacement(self) -> Displacement | None:
+        """The larger of the errors for independent matches and of the jackknife's."""
+        return self.jackknife_displacement if self.quotes_jackknife else self.displacement
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -54,7 +54,7 @@ def read_zoom_lens(
             )
         if f'"{RESULT}"' not in source.head[:1024]:
             raise source.error(
-                "this is no calibration written by plumbline",
+                "this is not a calibration written by plumbline",
                 hint="write one with plumbline fit POINTS -o result.json",
             )
         calibrations += [(path, made) for made in consistent_results(source.text(), path)]

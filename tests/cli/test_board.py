@@ -143,7 +143,7 @@ def test_photos_stored_sideways_are_turned(run: Run, folder: Path) -> None:
         (("board", "board0.png", "--points-only", "--free", "b"), "does not use --free"),
         (("board", "board0.png", "--overlay", "board1.png"), "was not written by plumbline"),
         (("board", "board0.png", "--overlay", "board0.png"), "never overwritten"),
-        (("board", "text.png"), "no picture"),
+        (("board", "text.png"), "not a picture"),
         (("board", "board0.png", "--free", "k1"), "unknown coefficient"),
     ],
 )

@@ -74,7 +74,9 @@ def _picks(path: str | None, found: Rectification) -> dict[str, tuple[float, flo
 def _measured(
     found: Rectification, picks: Mapping[str, tuple[float, float]], how: Mapping[str, Any]
 ) -> Iterator[Measurement]:
-    asked = [(kind, names) for kind in KINDS for names in how[kind]]
+    asked: list[tuple[Kind, Sequence[str]]] = [
+        (kind, names) for kind in KINDS for names in how[kind]
+    ]
     for kind, names in asked or _all(found, picks):
         yield found.measure(kind, names, picks)
 

@@ -140,7 +140,6 @@ def _description(found: Rectification) -> str:
 def _tell(
     found: Rectification, written: Mapping[Path, bytes], notes: list[str], how: Mapping[str, Any]
 ) -> None:
-    assert found.findings is not None
     for note in (*found.findings.notes, *notes):
         click.echo(f"Note: {printable(note)}.", err=True)
     if how["as_json"]:

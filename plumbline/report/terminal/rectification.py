@@ -33,7 +33,6 @@ _AHEAD = (1.0, 1.5, 2.0)
 def print_rectification(console: Console, found: Rectification) -> None:
     """Print what a user needs to judge a rectification."""
     told = found.findings
-    assert told is not None
     _print(console, f"Lens: {_plain(told.lens)}")
     _print_camera(console, found, told)
     console.print(_points(told))
