@@ -23,6 +23,7 @@ VERBS = {
     "snap": "Move picks onto the photograph's edges, to a small part of a pixel.",
     "find": "Find a photograph's long straight edges without picks.",
     "board": "Calibrate from photographs of a chequerboard.",
+    "pair": "Calibrate from a photograph and the same one corrected.",
     "check": "Say whether the picks determine the distortion, and what to pick next.",
     "compare": "Compare the distortion models on the same picks, and recommend one.",
     "report": "Show a calibration as a page with figures, tables and checksums.",
