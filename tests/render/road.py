@@ -178,7 +178,9 @@ def texts() -> dict[str, str]:
     world = (AERIAL_M, 0, 0, -AERIAL_M, AERIAL_LEFT, AERIAL_TOP)
     return {
         "points.csv": _table("x,y,X,Y,name", points),
-        "picks.csv": _table("x,y,name", [f"{u:.1f},{v:.1f},{n}" for (u, v), n in zip(picks[:4], names)]),
+        "picks.csv": _table(
+            "x,y,name", [f"{u:.1f},{v:.1f},{n}" for (u, v), n in zip(picks[:4], names)]
+        ),
         "tapes.csv": _table("from,to,metres", taped),
         "edges.csv": _table("line,x,y", edges),
         "marks.csv": _table("x,y,name", marks),
