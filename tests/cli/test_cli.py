@@ -172,8 +172,9 @@ def test_pixels_that_are_not_square_are_told(run: Run) -> None:
 
 def test_quiet_prints_the_finding_and_the_files(run: Run) -> None:
     done = run("fit", pto(), "-q")
-    first, *notes, pto_line, xml_line = done.out.splitlines()
+    first, quote, *notes, pto_line, xml_line = done.out.splitlines()
     assert first.startswith("Barrel distortion")
+    assert quote.startswith("quote ±")
     assert [pto_line, xml_line] == ["Wrote building.fit.pto", "Wrote building.fit.xml"]
     assert all("not known" in note or "named after" in note for note in notes)
 

@@ -58,8 +58,8 @@ def print_summary(
         written: The files written.
         notes: What there is to say about the files.
         verbose: List every line, however many.
-        quiet: Print only the finding, whether picks are wrong, and what there is to say about the
-            files.
+        quiet: Print only the finding, the error to quote, whether picks are wrong, and what there
+            is to say about the files.
     """
     told: set[str] = set()
     for made in calibrations:
@@ -67,6 +67,8 @@ def print_summary(
             print_title(console, made.observations)
         console.print(f"[bold]{finding_sentence(made)}[/]", highlight=False, soft_wrap=True)
         if quiet:
+            if made.quoted is not None:
+                console.print(_plain(made.quoted.sentence), highlight=False, soft_wrap=True)
             for check in made.checks:
                 if check.name == "suspects" and not check.passed:
                     _print_note(console, check.sentence)
