@@ -84,7 +84,7 @@ class Observations:
         for label, values in zip(map(str, names), arrays, strict=True):
             try:
                 points = np.array(np.ma.getdata(values), dtype=np.float64)
-                seen = ~np.ma.getmaskarray(values)
+                seen = ~np.ma.getmaskarray(np.ma.asarray(values))
             except (TypeError, ValueError) as error:
                 raise OptionError(f"line {label} is not an array of numbers: {error}") from None
             if points.ndim == 3 and points.shape[1:] == (1, 2):

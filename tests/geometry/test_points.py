@@ -47,7 +47,7 @@ def test_opencv_s_corners(name: str) -> None:
 @pytest.mark.parametrize("wrong", ["text", None, [[1, 2], [3]], 5.0, [[1, 2, 3]], [["a", "b"]]])
 def test_what_is_not_points_is_refused_in_words(wrong: Any) -> None:
     for mapped in (LENS.undistort, LENS.distort):
-        with pytest.raises(OptionError, match="^the points ") as caught:
+        with pytest.raises(OptionError, match=r"^the points ") as caught:
             mapped(wrong)
         assert "--" not in caught.value.hint
 
