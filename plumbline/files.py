@@ -13,7 +13,7 @@ from pathlib import Path
 from plumbline.errors import ReadError, WriteError
 
 MARK = "made by plumbline"
-"""Stands in the head of every PTO and XML that plumbline makes from nothing, and ends its maps."""
+"""Stands in the head of every PTO and XML that plumbline creates, and ends its maps."""
 
 RESULT = "plumbline calibration"
 """Stands in the head of every JSON of calibrations that plumbline makes."""
@@ -97,7 +97,7 @@ def refuse_to_clobber(target: Path, inputs: Sequence[str], *, overwrite: bool) -
             hint="choose another name with -o",
         )
     if exists and not is_file:
-        raise WriteError("this is no regular file", path=target, hint="name a file with -o")
+        raise WriteError("this is not a regular file", path=target, hint="name a file with -o")
     if exists and not overwrite and _is_edited(read_bytes(target)):
         raise WriteError(
             "this file was edited since plumbline wrote it, and the edits would be lost",

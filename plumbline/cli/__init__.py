@@ -18,8 +18,12 @@ from plumbline.errors import PlumblineError, printable
 from plumbline.wording import spelt
 
 VERBS = {
+    "pick": "Pick lines on a page in the browser, with the fit running while you click.",
     "fit": "Find the distortion that makes picked lines straight.",
+    "snap": "Move picks onto the photograph's edges, to a small part of a pixel.",
+    "find": "Find a photograph's long straight edges without picks.",
     "board": "Calibrate from photographs of a chequerboard.",
+    "pair": "Calibrate from a photograph and the same one corrected.",
     "check": "Say whether the picks determine the distortion, and what to pick next.",
     "compare": "Compare the distortion models on the same picks, and recommend one.",
     "report": "Show a calibration as a page with figures, tables and checksums.",

@@ -22,8 +22,13 @@ Examples:
   plumbline fit building.pto --free b -o b_alone.json
   plumbline fit building.pto --start a=0.03,b=-0.1,c=0.05
   plumbline fit building.pto --robust --model auto
+  plumbline fit picks.csv --photo facade.jpg --snap
+  plumbline fit facade.jpg
   plumbline fit building.pto --report building.html --plot building.curve.svg
 """
+
+_FOR_PICKS = ("snap", "photo", "size", "image", "format", "grid", "order", "pixel_aspect")
+"""Options that say nothing of a photo whose edges are found without picks."""
 
 
 @click.command("fit", help=_HELP)
@@ -44,6 +49,7 @@ Examples:
     help="Measure straightness in pixels of the photograph, or of the corrected photo.",
 )
 @click.option("--robust", is_flag=True, help="Leave suspicious picks out and list them.")
+@click.option("--snap", is_flag=True, help="Move the picks onto the photograph's edges first.")
 @options.bootstrap
 @options.reading
 @options.labelling
@@ -59,6 +65,7 @@ def command(
     start: Any,
     residual: Any,
     robust: bool,
+    snap: bool,
     bootstrap: int | None,
     **how: Any,
 ) -> None:
@@ -67,7 +74,7 @@ def command(
 
     from plumbline.cli.tools.deliver import deliver, refuse_unclear
     from plumbline.cli.tools.fit import Wishes, fit_lenses
-    from plumbline.reading.gathering import parts_of
+    from plumbline.reading.gathering import labels_of, parts_of, photo_alone, split_by_lens
 
     options.refuse_unknown(model, {"--free": free, "--hold": hold, "--start": start})
     delivery = options.delivery(how)
@@ -75,5 +82,18 @@ def command(
         refuse_unclear(delivery["output"], delivery["report"], delivery["plots"])
     wishes = Wishes(model, free, hold or (), start, residual, robust, bootstrap)
     narration = Console(stderr=True)
-    made = fit_lenses(parts_of(points, how), wishes, narration)
+    if photo_alone(points, how["format"]):
+        from plumbline.cli.tools.find import trusted_edges
+
+        options.refuse_useless(click.get_current_context(), "a photo without picks", _FOR_PICKS)
+        found = trusted_edges(points[0], narration)
+        parts = split_by_lens(found.observations, labels_of(how))
+        how["photo"] = points[0]
+    else:
+        parts = parts_of(points, how)
+    if snap:
+        from plumbline.cli.tools.snap import snapped
+
+        parts = [each.observations for each in snapped(parts, how["photo"], narration)]
+    made = fit_lenses(parts, wishes, narration)
     deliver(made, points[0], narration, photo=how["photo"], **delivery)

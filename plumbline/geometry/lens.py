@@ -35,7 +35,7 @@ def as_points(points_px: ArrayLike) -> tuple[Array, NDArray[np.bool_] | None]:
             hint="give x and y in pixels in the last axis, as in shape (n, 2)",
         )
     masked = isinstance(points_px, np.ma.MaskedArray)
-    hidden = np.ma.getmaskarray(points_px).any(axis=-1) if masked else None
+    hidden = np.asarray(np.ma.getmaskarray(points_px).any(axis=-1)) if masked else None
     points[np.isnan(points).any(axis=-1)] = np.nan
     if hidden is not None:
         points[hidden] = np.nan
@@ -146,12 +146,16 @@ class Lens:
             OptionError: these are not numbers in pairs.
             FoldedError: the polynomial folds before it reaches a point.
         """
+        observed_px = self.distort_or_nan(points_px)
+        self._refuse_folded(np.ma.getdata(observed_px), as_points(points_px)[0])
+        return observed_px
+
+    def distort_or_nan(self, points_px: ArrayLike) -> Array:
+        """As `distort`, but points beyond the fold become NaN."""
         given, hidden = as_points(points_px)
         points = self.frame.normalise(given, self.unit_px)
         observed = self.model.distort(points, self.vector, self._reach)
-        observed_px = self.frame.to_pixels(observed + self._offset, self.unit_px)
-        self._refuse_folded(observed_px, given)
-        return _hidden_again(observed_px, hidden)
+        return _hidden_again(self.frame.to_pixels(observed + self._offset, self.unit_px), hidden)
 
     def fold_radius_px(self) -> float | None:
         """Observed radius in square pixels at which the model folds, if inside the photo.

@@ -63,7 +63,7 @@ class Observations:
             pixel_aspect: Width of one pixel over its height.
 
         Raises:
-            OptionError: an array has the wrong shape or holds NaN or infinity, the size is no
+            OptionError: an array has the wrong shape or holds NaN or infinity, the size is not
                 two positive whole numbers, or there are more or fewer labels than lines.
 
         Example:
@@ -79,7 +79,7 @@ class Observations:
                 f"there are {count(len(names), 'label')} for {count(len(arrays), 'line')}",
                 hint="give one label for each line, or none at all",
             )
-        made: list[Line] = []
+        chosen: list[Line] = []
         hidden = 0
         for label, values in zip(map(str, names), arrays, strict=True):
             try:
@@ -96,11 +96,11 @@ class Observations:
                 )
             shown = seen.reshape(points.shape).all(axis=1)
             hidden += int(np.count_nonzero(~shown))
-            made.append(Line(points[shown], 0, label))
+            chosen.append(Line(points[shown], 0, label))
         notes = (f"{count(hidden, 'masked point')} left out",) if hidden else ()
         facts = LensFacts(focal_px=None if focal_px is None else float(focal_px))
         photo = Photo(size, pixel_aspect=pixel_aspect)
-        return cls((photo,), tuple(made), (facts,), notes).checked().counted_once()
+        return cls((photo,), tuple(chosen), (facts,), notes).checked().counted_once()
 
     @classmethod
     def side_by_side(cls, parts: Sequence[Observations]) -> Observations:
@@ -232,7 +232,7 @@ class Observations:
     def counted_once(self) -> Observations:
         """The same observations without lines and picks that stand there twice.
 
-        A copy is no second measurement. Lines of one photo that share two picks or more lie on
+        A copy is not a second measurement. Lines of one photo that share two picks or more lie on
         one edge, and what they share counts once; a single pick that two lines share is where
         they cross, as in a grid. Notes name the copies.
         """
@@ -271,7 +271,7 @@ class Observations:
         sentence = f"the point ({x:g}, {y:g}) of line {line.label} " + (
             f"lies outside the {frame.width}x{frame.height} photo"
             if np.isfinite(x) and np.isfinite(y)
-            else "is no finite number"
+            else "is not a finite number"
         )
         hint = "check the photo's size and the point; pixels count from 0 at the top left"
         if len(self.origins) == 1:

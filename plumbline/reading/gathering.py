@@ -4,11 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 from plumbline.errors import OptionError
+from plumbline.files import read_bytes
+from plumbline.formats.base import Source
+from plumbline.formats.known import FORMATS
+from plumbline.frame import Frame
 from plumbline.observations import Observations
-from plumbline.observations.facts import checked_aspect_ratio
+from plumbline.observations.facts import LensFacts, checked_aspect_ratio
 from plumbline.reading.points import read
 
 _FACTS = {
@@ -21,6 +26,9 @@ _FACTS = {
     "aspect_ratio": "aspect_ratio",
 }
 """What the options that describe a lens are called in `LensFacts`."""
+
+_PHOTOS = (".jpg", ".jpeg", ".png", ".tif", ".tiff", ".webp")
+"""Suffixes of photographs that are decoded."""
 
 
 def parts_of(sources: Sequence[str], options: Mapping[str, Any]) -> list[Observations]:
@@ -38,9 +46,42 @@ def parts_of(sources: Sequence[str], options: Mapping[str, Any]) -> list[Observa
     return split_by_lens(read(sources, **how), labels)
 
 
+def photo_alone(sources: Sequence[str], format_name: str | None = None) -> bool:
+    """Whether the only source is a photograph, not a file of points.
+
+    A TIFF of ImageJ may hold points: a file that a format recognises is one of points.
+    """
+    if len(sources) != 1 or format_name is not None:
+        return False
+    path = Path(sources[0])
+    if path.suffix.lower() not in _PHOTOS or not path.is_file():
+        return False
+    source = Source(str(path), read_bytes(path))
+    return not any(each.recognises(source) for each in FORMATS.values())
+
+
 def labels_of(options: Mapping[str, Any]) -> dict[str, Any]:
     """What `options.labelling` says of a lens, by the names of `LensFacts`."""
     return {fact: options.get(name) for name, fact in _FACTS.items()}
+
+
+def labelled(facts: LensFacts, labels: Mapping[str, Any], frame: Frame) -> LensFacts:
+    """Facts of a lens with what the user says of it.
+
+    Args:
+        facts: What files tell.
+        labels: Of `labels_of`.
+        frame: The first photo's.
+
+    Raises:
+        OptionError: the aspect ratio is not the photo's.
+    """
+    given = {name: value for name, value in labels.items() if value is not None}
+    if "crop_factor" in given:
+        given["crop_factor_error"] = None
+    if "aspect_ratio" in given:
+        given["aspect_ratio"] = checked_aspect_ratio(given["aspect_ratio"], frame)
+    return replace(facts, **given)
 
 
 def split_by_lens(observations: Observations, labels: Mapping[str, Any]) -> list[Observations]:
@@ -54,11 +95,9 @@ def split_by_lens(observations: Observations, labels: Mapping[str, Any]) -> list
         OptionError: facts of one lens are given for several.
     """
     with_lines = sorted({observations.photos[line.photo].lens for line in observations.lines})
-    given = {name: value for name, value in labels.items() if value is not None}
-    if "crop_factor" in given:
-        given["crop_factor_error"] = None
+    given = {name for name, value in labels.items() if value is not None}
     single = {"focal_mm": "--focal", "focal_px": "--focal-px"}
-    if len(with_lines) > 1 and (wrong := single.keys() & given.keys()):
+    if len(with_lines) > 1 and (wrong := single.keys() & given):
         raise OptionError(
             f"{single[min(wrong)]} is given once, but the project has {len(with_lines)} lenses",
             hint="select one with --image N",
@@ -66,9 +105,6 @@ def split_by_lens(observations: Observations, labels: Mapping[str, Any]) -> list
     parts: list[Observations] = []
     for lens in with_lines:
         part = observations.of_lens(lens)
-        if "aspect_ratio" in given:
-            frame = part.photos[0].frame
-            given["aspect_ratio"] = checked_aspect_ratio(given["aspect_ratio"], frame)
-        facts = replace(part.lenses[0], **given)
+        facts = labelled(part.lenses[0], labels, part.photos[0].frame)
         parts.append(replace(part, lenses=(facts,)))
     return parts

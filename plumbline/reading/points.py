@@ -8,9 +8,11 @@ from pathlib import Path, PurePath
 
 from plumbline.errors import OptionError
 from plumbline.files import is_same, read_bytes
+from plumbline.formats.archives import opened
 from plumbline.formats.base import Order, ReadOptions, Source
 from plumbline.formats.grid import refuse_all_as_one
 from plumbline.formats.known import format_of
+from plumbline.formats.units import in_pixels
 from plumbline.observations import Observations, Origin, Photo
 from plumbline.photos.exif import PhotoFacts, read_photo
 from plumbline.photos.identity import identity_of
@@ -76,14 +78,17 @@ def read(
     shot = None if photo is None else read_photo(photo, remedy=_GIVE_SIZE)
     parts: list[Observations] = []
     for file in files:
-        source = Source(str(file), read_bytes(file))
+        content = read_bytes(file)
+        source = opened(Source(str(file), content))
         row = format_of(source, format)
         known = size if size is not None or shot is None else shot.size
         raw = _chosen(source, row.read(source, ReadOptions(known, grid, order)), image)
         if grid is None and not singly:
             refuse_all_as_one(source, raw)
         part = _with_photos(source, raw, photo, shot, size, pixel_aspect)
-        part = replace(part, origins=(Origin(str(file), row.name, source.content),))
+        if not singly:
+            part = in_pixels(source, part)
+        part = replace(part, origins=(Origin(str(file), row.name, content),))
         part = part.checked(ideal=ideal, singly=singly)
         parts.append(part if singly else part.counted_once())
     return join(parts)

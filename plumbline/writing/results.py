@@ -117,12 +117,21 @@ def write_points(observations: Observations, path: str | Path, *, overwrite: boo
         OptionError: a CSV would mix the lines of several lenses.
     """
     target = Path(path)
+    write_atomically({target: points_bytes(observations, target, overwrite=overwrite)})
+    return target
+
+
+def points_bytes(observations: Observations, target: Path, *, overwrite: bool = False) -> bytes:
+    """What `write_points` writes, after its checks; nothing is written yet.
+
+    Raises:
+        PlumblineError: as `write_points`.
+    """
     refuse_unknown_suffix(target, POINT_SUFFIXES, "points")
     content = sealed(suffixes("points")[target.suffix.lower()].write(observations))
     same = target.is_file() and read_bytes(target) == content
     refuse_to_clobber(target, _inputs(observations), overwrite=overwrite or same)
-    write_atomically({target: content})
-    return target
+    return content
 
 
 def resampling_notes(observations: Observations) -> list[str]:

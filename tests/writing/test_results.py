@@ -335,7 +335,7 @@ def test_the_input_is_never_overwritten(tmp_path: Path) -> None:
 # --- points ---------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("suffix", [".csv", ".pto"])
+@pytest.mark.parametrize("suffix", [".csv", ".pto", ".json"])
 def test_points_read_back(tmp_path: Path, suffix: str) -> None:
     observations = calibration().observations
     path = plumbline.write_points(observations, tmp_path / f"p{suffix}")

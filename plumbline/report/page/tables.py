@@ -13,6 +13,7 @@ from plumbline.report.terminal.comparison import coefficient_texts, figures
 from plumbline.report.terminal.summary import decimals
 from plumbline.result.calibration import Calibration
 from plumbline.result.comparison import Candidate, Comparison
+from plumbline.result.pair import PairCalibration
 from plumbline.trust.check import Check
 from plumbline.trust.student import quantile
 from plumbline.trust.suspect import Suspect
@@ -78,7 +79,9 @@ def straightness(made: Calibration) -> Element:
     """Every line before and after."""
     photos = made.observations.photos
     several = len(photos) > 1
-    head = ["line", *(["photo"] if several else []), "points"]
+    paired = isinstance(made, PairCalibration)
+    head = ["part (row.column)" if paired else "line", *(["photo"] if several else [])]
+    head.append("matches" if paired else "points")
     if made.robust:
         head.append("left out")
     head += ["rms before, px", "rms after, px", "largest after, px"]
