@@ -24,7 +24,7 @@ from plumbline.wording import count, listed
 __all__ = ["MAX_SIDE", "Line", "Observations", "Origin", "Photo"]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Observations:
     """Photos, lenses and lines, checked as far as one file can be.
 
@@ -55,7 +55,8 @@ class Observations:
         """Observations of one photo from arrays.
 
         Args:
-            lines: One (n, 2) array of pixel coordinates a line, n ≥ 3.
+            lines: One (n, 2) array of pixel coordinates a line, n ≥ 3, or OpenCV's (n, 1, 2);
+                masked points are left out, with a note.
             size: Width and height of the photo in pixels.
             labels: Names of the lines, one each; numbers from 1 by default.
             focal_px: Focal length in pixels, for the models that need it.
@@ -79,20 +80,27 @@ class Observations:
                 hint="give one label for each line, or none at all",
             )
         chosen: list[Line] = []
+        hidden = 0
         for label, values in zip(map(str, names), arrays, strict=True):
             try:
-                points = np.array(values, dtype=np.float64)
+                points = np.array(np.ma.getdata(values), dtype=np.float64)
+                seen = ~np.ma.getmaskarray(np.ma.asarray(values))
             except (TypeError, ValueError) as error:
                 raise OptionError(f"line {label} is not an array of numbers: {error}") from None
+            if points.ndim == 3 and points.shape[1:] == (1, 2):
+                points = points[:, 0]  # as OpenCV has corners
             if points.ndim != 2 or points.shape[1] != 2:
                 raise OptionError(
                     f"line {label} has shape {points.shape}",
                     hint="give one array of shape (n, 2), x and y in pixels, for each line",
                 )
-            chosen.append(Line(points, 0, label))
+            shown = seen.reshape(points.shape).all(axis=1)
+            hidden += int(np.count_nonzero(~shown))
+            chosen.append(Line(points[shown], 0, label))
+        notes = (f"{count(hidden, 'masked point')} left out",) if hidden else ()
         facts = LensFacts(focal_px=None if focal_px is None else float(focal_px))
         photo = Photo(size, pixel_aspect=pixel_aspect)
-        return cls((photo,), tuple(chosen), (facts,)).checked().counted_once()
+        return cls((photo,), tuple(chosen), (facts,), notes).checked().counted_once()
 
     @classmethod
     def side_by_side(cls, parts: Sequence[Observations]) -> Observations:
@@ -105,6 +113,11 @@ class Observations:
         notes = tuple(dict.fromkeys(note for part in parts for note in part.notes))
         origins = tuple(dict.fromkeys(origin for part in parts for origin in part.origins))
         return cls(tuple(photos), tuple(lines), tuple(lenses), notes, origins)
+
+    def __repr__(self) -> str:
+        """In one line what they are."""
+        photos, lines = count(len(self.photos), "photo"), count(len(self.lines), "line")
+        return f"<Observations: {count(self.n_points, 'point')} on {lines} in {photos}>"
 
     @cached_property
     def sizes(self) -> NDArray[np.int64]:

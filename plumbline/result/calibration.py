@@ -31,7 +31,7 @@ from plumbline.trust.suspect import Suspect
 from plumbline.trust.verdicts import after_fit, doubt
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Calibration:
     """A fitted lens and how far to trust it.
 
@@ -84,6 +84,12 @@ class Calibration:
         if len(self.kept) != len(self.residuals_px):
             every = tuple(np.ones(len(values), dtype=np.bool_) for values in self.residuals_px)
             object.__setattr__(self, "kept", every)
+
+    def __repr__(self) -> str:
+        """In one line what was found."""
+        values = ", ".join(f"{name} = {self.coefficients[name]:.6g}" for name in self.free)
+        state = f"{self.rms_after_px:.3g} px rms" if self.converged else "not converged"
+        return f"<Calibration: {self.model} {values or 'held'}; {state}; {self.observations!r}>"
 
     @property
     def model(self) -> str:
