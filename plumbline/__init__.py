@@ -18,6 +18,13 @@ from typing import TYPE_CHECKING
 from plumbline._version import __version__ as __version__
 
 if TYPE_CHECKING:
+    from plumbline.boards.find import (
+        find_board as find_board,
+    )
+    from plumbline.edges.snap import (
+        Snapped as Snapped,
+        snap as snap,
+    )
     from plumbline.errors import (
         CollapsedFitError as CollapsedFitError,
         DegenerateLinesError as DegenerateLinesError,
@@ -35,6 +42,9 @@ if TYPE_CHECKING:
     from plumbline.fit.calibrate import (
         calibrate as calibrate,
         calibrate_many as calibrate_many,
+    )
+    from plumbline.fit.check import (
+        check as check,
     )
     from plumbline.fit.choice.compare import (
         compare as compare,
@@ -75,15 +85,23 @@ if TYPE_CHECKING:
         Observations as Observations,
         Photo as Photo,
     )
+    from plumbline.observations.board import (
+        Board as Board,
+    )
     from plumbline.observations.facts import (
         LensFacts as LensFacts,
     )
-    from plumbline.reading.points import (
+    from plumbline.reading.joining import (
         join as join,
+    )
+    from plumbline.reading.points import (
         read as read,
     )
     from plumbline.result.calibration import (
         Calibration as Calibration,
+    )
+    from plumbline.result.checked import (
+        Checked as Checked,
     )
     from plumbline.result.comparison import (
         Candidate as Candidate,
@@ -105,6 +123,8 @@ if TYPE_CHECKING:
     )
 
 _HOMES = {
+    "plumbline.boards.find": ("find_board",),
+    "plumbline.observations.board": ("Board",),
     "plumbline.errors": (
         "CollapsedFitError",
         "DegenerateLinesError",
@@ -116,8 +136,10 @@ _HOMES = {
         "UnsupportedModelError",
         "WriteError",
     ),
+    "plumbline.edges.snap": ("Snapped", "snap"),
     "plumbline.fit.bootstrap": ("bootstrap",),
     "plumbline.fit.calibrate": ("calibrate", "calibrate_many"),
+    "plumbline.fit.check": ("check",),
     "plumbline.fit.choice.compare": ("compare",),
     "plumbline.formats.known": ("FORMATS",),
     "plumbline.frame": ("Frame",),
@@ -130,8 +152,10 @@ _HOMES = {
     "plumbline.models": ("MODELS", "get_model"),
     "plumbline.observations": ("Line", "Observations", "Photo"),
     "plumbline.observations.facts": ("LensFacts",),
-    "plumbline.reading.points": ("join", "read"),
+    "plumbline.reading.joining": ("join",),
+    "plumbline.reading.points": ("read",),
     "plumbline.result.calibration": ("Calibration",),
+    "plumbline.result.checked": ("Checked",),
     "plumbline.result.comparison": ("Candidate", "Comparison"),
     "plumbline.result.files": ("read_calibration", "read_calibrations"),
     "plumbline.trust.check": ("Check",),

@@ -11,12 +11,12 @@
     └── FoldedError              a point lies where the distortion folds over
 
 Every message is one sentence for the user; `hint` is the remedy. A fit that does not
-converge is no exception: see `Calibration.converged`.
+converge is not an exception: see `Calibration.converged`.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from pathlib import Path  # no other module that --help loads needs it
@@ -88,7 +88,16 @@ class UnsupportedModelError(OptionError):
 
 
 class DegenerateLinesError(PlumblineError):
-    """The lines cannot determine the coefficients asked for."""
+    """The lines cannot determine the coefficients asked for.
+
+    Attributes:
+        suspects: Picks that a robust fit finds wrong, as `Calibration.suspects`; empty where
+            there is none.
+    """
+
+    def __init__(self, message: str, *, hint: str = "", suspects: tuple[Any, ...] = ()) -> None:
+        super().__init__(message, hint=hint)
+        self.suspects = suspects
 
 
 class CollapsedFitError(DegenerateLinesError):

@@ -17,6 +17,9 @@ MARK = "made by plumbline"
 RESULT = "plumbline calibration"
 """Stands in the head of every JSON of calibrations that plumbline makes."""
 
+POINTS = "plumbline points"
+"""Stands in the head of every JSON of picked points that plumbline makes."""
+
 ZOOM = "plumbline zoom"
 """Stands in the head of every JSON of a zoom lens that plumbline makes."""
 
@@ -31,9 +34,13 @@ Hugin writes at most 15 digits, so a project with a longer one was not saved by 
 """
 
 _MOST_BYTES = 2**31
+"""Chosen, because a file of ten million control points has 0.6 GB."""
 _NAME_A_FILE = "name another file"
 _MOST_LOOKED_AT = 2**20
+"""Of a project, to find its `i` lines: Hugin writes them before all control points, and 1 MiB holds
+some thousand."""
 _MOST_OF_HEADER = 1024
+"""Every file of plumbline bears its mark within this many bytes of its start or its end."""
 _MARKED_AT_THE_END = (".tif", ".tiff", ".npz")
 _NEW_FILE = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
 
@@ -42,7 +49,7 @@ def read_bytes(path: str | Path) -> bytes:
     """The bytes of a regular file.
 
     Raises:
-        ReadError: it is missing, no regular file, unreadable or absurdly large.
+        ReadError: it is missing, not a regular file, unreadable or absurdly large.
     """
     file = Path(path)
     try:
@@ -71,7 +78,7 @@ def refuse_to_clobber(target: Path, inputs: Sequence[str], *, overwrite: bool) -
     """Refuse to write over an input, or over a file that plumbline did not make.
 
     Raises:
-        WriteError: as said, or the target is no regular file.
+        WriteError: as said, or the target is not a regular file.
     """
     try:
         exists = target.exists()
@@ -135,7 +142,7 @@ def _is_ours(target: Path) -> bool:
     if target.suffix.lower() in _MARKED_AT_THE_END:
         return MARK.encode() in tail
     if target.suffix.lower() == ".json":
-        marks = [f'"{name}"'.encode() for name in (RESULT, ZOOM, RECTIFICATION)]
+        marks = [f'"{name}"'.encode() for name in (RESULT, POINTS, ZOOM, RECTIFICATION)]
         start = head[:_MOST_OF_HEADER]
         return start.lstrip().startswith(b"{") and any(mark in start for mark in marks)
     return MARK.encode() in head[:_MOST_OF_HEADER] or FITTED_VALUE.search(head) is not None

@@ -23,8 +23,9 @@ FLOORS = (
     "reading result",
     "fit lenses",
     "ground",
-    "writing imaging",
+    "writing imaging boards edges pairs",
     "report",
+    "pick",
     "cli",
 )
 """From the ground up: a room imports from the floors below its own."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import _thread
+import codecs
 import contextlib
 import io
 import os
@@ -14,17 +15,21 @@ import click
 
 from plumbline._version import __version__
 from plumbline.errors import PlumblineError, printable
+from plumbline.wording import spelt
 
 VERBS = {
+    "pick": "Pick lines on a page in the browser, with the fit running while you click.",
     "fit": "Find the distortion that makes picked lines straight.",
-    "check": "Say whether the picks can tell the distortion, and what to pick next.",
+    "snap": "Move picks onto the photograph's edges, to a small part of a pixel.",
+    "board": "Calibrate from photographs of a chequerboard.",
+    "check": "Say whether the picks determine the distortion, and what to pick next.",
     "compare": "Compare the distortion models on the same picks, and recommend one.",
     "report": "Show a calibration as a page with figures, tables and checksums.",
     "correct": "Take the lens distortion out of photographs.",
     "rectify": "Rectify a photograph of a plane to scale.",
     "measure": "Measure places, distances, angles and areas in a rectified photograph.",
-    "convert": "Turn picked points into CSV or a Hugin project.",
-    "lens": "Show which lens would be used for a photo, or keep a calibration for later.",
+    "convert": "Convert picked points to CSV, JSON or a Hugin project.",
+    "lens": "Show which lens a photo would be corrected with, or store a calibration.",
     "zoom": "Join calibrations at several focal lengths into one lens.",
     "export": "Write a calibrated lens for another program.",
     "models": "List the distortion models.",
@@ -66,17 +71,18 @@ def command() -> None:
     """Calibrate a lens from straight lines.
 
     Pick points along straight edges of a photograph in any viewer; plumbline finds the
-    distortion that makes every line straight again, says how sure it is, and writes a Hugin
+    distortion that makes every line straight again, states the error, and writes a Hugin
     project (PTO) and a LensFun profile (XML).
     """
 
 
 def main() -> None:
-    """Run the command line; errors become one red sentence, the remedy, and a status."""
+    """Run the command line; an error becomes one red sentence, its remedy and an exit status."""
+    codecs.register_error("spelt", spelt)
     for stream in (sys.stdout, sys.stderr):
-        # A file name that is no text, or a terminal without Greek letters, is no reason to stop.
+        # A file name that is not text, or a terminal without Greek letters, must not stop us.
         if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="replace")
+            stream.reconfigure(errors="spelt")
     sys.unraisablehook = _interrupted_again
     sys.exit(_status())
 
@@ -90,17 +96,17 @@ def _status() -> int:
         error.show()
         return error.exit_code
     except (click.Abort, KeyboardInterrupt):
-        _complain("Stopped: no file was written but those named above")
+        _complain("Stopped; only the files named above were written")
         return _STOPPED
     except PlumblineError as error:
         _complain(f"Error: {printable(error.message)}")
         if error.hint:
             click.echo(f"  {printable(error.hint)}.", err=True)
         return 1
-    except BrokenPipeError:  # whoever reads the output has seen enough of it
+    except BrokenPipeError:  # the reader of the output has closed it, as `head` does
         _drop_output()
         return 1
-    except OSError as error:  # files have errors of their own: this is the standard output
+    except OSError as error:  # files raise errors of their own: this is standard output
         _drop_output()
         _complain(f"Error: the output cannot be written: {error.strerror}")
         return 1
@@ -112,13 +118,13 @@ def _complain(sentence: str) -> None:
 
 
 def _drop_output() -> None:
-    """Send what is still to be printed nowhere, or Python complains of it at the end."""
+    """Discard what is still to be printed, or Python complains about it at exit."""
     with contextlib.suppress(OSError, ValueError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _interrupted_again(unraisable: sys.UnraisableHookArgs) -> None:
-    """Send Ctrl-C again where it fell into a callback, from which Python lets nothing out."""
+    """Raise Ctrl-C again where it arrived in a callback, which cannot raise anything."""
     if unraisable.exc_type is KeyboardInterrupt:
         threading.Timer(0.01, _thread.interrupt_main).start()
     else:

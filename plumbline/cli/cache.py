@@ -6,8 +6,8 @@ import click
 
 _HELP = """Show or clear the cache of compiled programs.
 
-The first fit of a kind is compiled for a few seconds; what comes of it is kept in the user's cache
-folder, or in that which PLUMBLINE_CACHE_DIR names. Nothing but speed depends on it.
+The first fit of each kind takes a few seconds to compile; the program is kept in the user's cache
+folder, or in the folder that PLUMBLINE_CACHE_DIR names. Only speed depends on it.
 
 \b
 Examples:
@@ -16,8 +16,8 @@ Examples:
 """
 
 
-@click.command("cache", help=_HELP, short_help="Show or clear the cache of compiled programs.")
-@click.option("--clear", "clearing", is_flag=True, help="Throw the kept programs away.")
+@click.command("cache", help=_HELP)
+@click.option("--clear", "clearing", is_flag=True, help="Delete the cached programs.")
 def command(clearing: bool) -> None:
     """Print where the cache is and how much it holds, and clear it if asked to."""
     from plumbline.errors import printable

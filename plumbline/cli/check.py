@@ -8,13 +8,13 @@ import click
 
 from plumbline.cli import options
 
-_HELP = """Say whether the picks can tell the distortion, and what to pick next.
+_HELP = """Say whether the picks determine the distortion, and what to pick next.
 
-Before any fit: whether the lines reach the edges and corners, which part of the photo is
-extrapolated, whether lines are too central to tell anything, and the rule of LensFun's profile
-makers. After a fit: how sure the correction is and which line would help most, how much the result
-hangs on single lines, whether a richer model would differ, and which picks are suspicious.
-✓ marks what is good, ? what is doubtful, and ✗ what is bad, with its remedy. Nothing is written.
+Before a fit: whether the lines reach the edges and corners, how much of the photo is extrapolated,
+whether lines run too close to the centre, and the rule of LensFun's profile makers. After a fit:
+the error of the correction and which line would reduce it most, how much the result depends on
+single lines, whether a richer model would differ, and which picks are suspicious. ✓ marks what is
+good, ? what is doubtful, and ✗ what is bad, with its remedy. No file is written.
 
 \b
 Examples:
@@ -23,11 +23,7 @@ Examples:
 """
 
 
-@click.command(
-    "check",
-    help=_HELP,
-    short_help="Say whether the picks can tell the distortion, and what to pick next.",
-)
+@click.command("check", help=_HELP)
 @click.argument("points", nargs=-1, required=True)
 @options.model
 @options.coefficients
@@ -45,14 +41,17 @@ def command(
     """Read, check, fit, check, print."""
     from rich.console import Console
 
-    from plumbline.cli.tools.check import as_dict, check_lenses
+    from plumbline.cli.tools.check import check_lenses
+    from plumbline.cli.tools.narration import tell_notes
     from plumbline.reading.gathering import parts_of
     from plumbline.report.terminal.checks import print_checks, print_suspects
     from plumbline.report.terminal.summary import WideConsole, print_title
+    from plumbline.result.checked import as_dict
 
     options.refuse_unknown(model, {"--free": free, "--hold": hold})
     parts = parts_of(points, reading)
-    found = check_lenses(parts, model, free, hold or (), Console(stderr=True))
+    tell_notes(parts)
+    found = check_lenses(parts, Console(stderr=True), model=model, free=free, hold=hold or ())
     if as_json:
         import json
 

@@ -10,9 +10,9 @@ from plumbline.cli import options
 
 _HELP = """Compare the distortion models on the same picks, and recommend one.
 
-Every model is fitted to POINTS. What counts is how straight it leaves lines that took no part in
-its fit, and by how many pixels its curve differs from the others'; a simpler model is recommended
-where the difference does not matter. Models that are the same in other words share a row.
+Every model is fitted to POINTS. Models are judged by how straight they leave lines that took no
+part in the fit, and by how many pixels their curves differ; a simpler model is recommended where
+the difference does not matter. Equivalent models share a row.
 `plumbline fit --model auto` fits the recommended one.
 
 \b
@@ -24,11 +24,7 @@ Examples:
 """
 
 
-@click.command(
-    "compare",
-    help=_HELP,
-    short_help="Compare the distortion models on the same picks, and recommend one.",
-)
+@click.command("compare", help=_HELP)
 @click.argument("points", nargs=-1, required=True)
 @options.reading
 @click.option("--robust", is_flag=True, help="Leave suspicious picks out of all fits.")
@@ -38,10 +34,12 @@ def command(points: tuple[str, ...], robust: bool, as_json: bool, **options: Any
     from rich.console import Console
 
     from plumbline.cli.tools.fit import compare_lenses
+    from plumbline.cli.tools.narration import tell_notes
     from plumbline.reading.gathering import parts_of
     from plumbline.result.comparison import as_dict
 
     parts = parts_of(points, options)
+    tell_notes(parts)
     comparisons = compare_lenses(parts, Console(stderr=True), robust=robust)
     if as_json:
         import json

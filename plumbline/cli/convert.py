@@ -9,11 +9,12 @@ import click
 
 from plumbline.cli import options
 
-_HELP = """Turn picked points into CSV or a Hugin project.
+_HELP = """Convert picked points to CSV, JSON or a Hugin project.
 
-SOURCE is any file that `fit` reads; the suffix of TARGET, .csv or .pto, says what is made. A
-Hugin project gets the points in reversed pairs, one straight line each from t3 on, with the
-photo attached and a, b, c (or what SOURCE asks for) marked for optimising.
+SOURCE is any file that `fit` reads, a result JSON too; the suffix of TARGET, .csv, .json or .pto,
+chooses the format. JSON keeps all that is known of the photos and the lens. In a Hugin project
+each line becomes a straight line (t3, t4, …) of paired points, with the photo attached and
+a, b, c (or what SOURCE asks for) marked for optimising.
 
 \b
 Example:
@@ -21,7 +22,7 @@ Example:
 """
 
 
-@click.command("convert", help=_HELP, short_help="Turn picked points into CSV or a Hugin project.")
+@click.command("convert", help=_HELP)
 @click.argument("source")
 @click.argument("target")
 @options.reading
@@ -30,13 +31,13 @@ def command(source: str, target: str, overwrite: bool, image: int | None, **how:
     """Read points and write them."""
     from plumbline.errors import printable
     from plumbline.files import refuse_unknown_suffix
-    from plumbline.reading.gathering import gather
+    from plumbline.reading.points import read
     from plumbline.wording import count
     from plumbline.writing.results import POINT_SUFFIXES, resampling_notes, write_points
 
     with options.wrong_call():
         refuse_unknown_suffix(Path(target), POINT_SUFFIXES, "points")
-    observations = gather([source], image=image, **how)
+    observations = read(source, image=image, **how)
     written = write_points(observations, target, overwrite=overwrite)
     notes = list(observations.notes)
     if written.suffix.lower() == ".pto":

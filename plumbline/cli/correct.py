@@ -11,9 +11,9 @@ from plumbline.cli import lens_options, option_types, options
 
 _HELP = """Take the lens distortion out of photographs.
 
-PHOTO is a photograph or a folder of them. The lens comes from --lens: a calibration that `fit`
-wrote, a Hugin project or lens file, a LensFun file or folder, a PTLens profile. Without it the
-photo's EXIF is looked up in your own calibrations and in LensFun's database. Results go beside the
+PHOTO is a photograph or a folder of them. --lens names the lens: a calibration that `fit` wrote, a
+Hugin project or lens file, a LensFun file or folder, a PTLens profile. Without it, plumbline looks
+the photo's EXIF up in your own calibrations and in LensFun's database. Results go beside the
 originals as NAME_corrected; metadata are kept, originals are never touched.
 
 \b
@@ -36,10 +36,10 @@ _USELESS = {
     "map_file": ("--map", {*_FOR_PICTURES, "output", "suffix"}),
     "scheduler": ("--scheduler", {"jobs"}),
 }
-"""Options that say nothing beside another: its parameter, its name, and theirs."""
+"""Options that another one makes useless: its parameter, its name, and theirs."""
 
 
-@click.command("correct", help=_HELP, short_help="Take the lens distortion out of photographs.")
+@click.command("correct", help=_HELP)
 @click.argument("photos", nargs=-1, metavar="[PHOTO]...")
 @lens_options.choosing
 @click.option(
@@ -48,28 +48,28 @@ _USELESS = {
 @click.option(
     "--suffix",
     metavar="TEXT",
-    help="What results bear after their names: _corrected by default, nothing in a folder of -o.",
+    help="Suffix of the names of results: _corrected by default, none in a folder given by -o.",
 )
 @click.option(
     "--interpolation",
     type=click.Choice(["cubic", "lanczos", "linear", "nearest"]),
     default="cubic",
     show_default=True,
-    help="How pixels between pixels are made.",
+    help="Interpolation method.",
 )
 @click.option(
     "--scale",
     type=click.Choice(["keep", "fit", "fill"]),
     default="keep",
     show_default=True,
-    help="Keep the circle that the lens leaves, fit the whole photo in, or fill the frame.",
+    help="Keep the scale at the gauge radius, fit the whole photo in, or fill the frame.",
 )
 @click.option(
     "--border",
     type=click.Choice(["black", "white", "transparent", "edge"]),
     default="black",
     show_default=True,
-    help="What stands where the photo shows nothing.",
+    help="What to draw where the photo shows nothing.",
 )
 @click.option(
     "--quality",
@@ -78,9 +78,9 @@ _USELESS = {
     show_default=True,
     help="Quality of JPEG and WebP.",
 )
-@click.option("--inverse", is_flag=True, help="Go the other way: put the distortion in.")
+@click.option("--inverse", is_flag=True, help="Apply the distortion instead of removing it.")
 @click.option(
-    "--difference", is_flag=True, help="Also write what changed, dark on white, as a PNG."
+    "--difference", is_flag=True, help="Also write a PNG of the difference, dark on white."
 )
 @click.option(
     "--map",
@@ -89,7 +89,7 @@ _USELESS = {
     help="Write the sampling map instead: an ST map (.tif), or pixels (.npz).",
 )
 @click.option(
-    "--points", metavar="FILE", help="Correct picked points instead of pixels, into a CSV."
+    "--points", metavar="FILE", help="Correct picked points instead of pixels, and write a CSV."
 )
 @click.option(
     "--size", type=option_types.Pair(), metavar="WxH", help="Size of the photo of --points."
@@ -98,12 +98,14 @@ _USELESS = {
     "--jobs",
     type=click.IntRange(min=1),
     metavar="N",
-    help="Processes for many photos; one a core by default.",
+    help="Number of processes for several photos; one per core by default.",
 )
 @click.option(
-    "--scheduler", metavar="ADDRESS", help="Dask scheduler whose workers do it, as tcp://host:8786."
+    "--scheduler",
+    metavar="ADDRESS",
+    help="Dask scheduler whose workers correct the photos, as in tcp://host:8786.",
 )
-@click.option("--skip-existing", is_flag=True, help="Leave out photos whose result exists.")
+@click.option("--skip-existing", is_flag=True, help="Skip photos whose result exists.")
 @options.overwriting
 @click.option("-q", "--quiet", is_flag=True, help="Print only errors and the summary.")
 def command(
@@ -129,7 +131,7 @@ def command(
     first, *others = photos or ("",)
     if points is not None:
         if map_file is not None or others:
-            raise OptionError("--points takes one photo at most, and no --map")
+            raise OptionError("--points takes at most one photo, and not --map")
         correcting.points(points, first or None, size, request, how)
     elif not photos:
         raise click.UsageError("name a photo, a folder, or points with --points")

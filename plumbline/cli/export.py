@@ -31,9 +31,9 @@ _USELESS = {"stmap": {"force"}, "json": {"force", "image"}}
 _HELP = """Write a calibrated lens for another program.
 
 RESULT: a JSON that `fit` wrote, or a Hugin or PTGui project or a Hugin lens .ini with lens
-values, such as that of a stitched panorama. Where the program knows another distortion model, the
-lens is refitted over the photo and the largest deviation is printed; above 0.1 px it is written
-only with --force. The file goes beside RESULT unless -o names another.
+values, such as that of a stitched panorama. Where the program uses another distortion model,
+the lens is refitted over the photo and the largest deviation is printed; above 0.1 px the file is
+written only with --force. The file goes beside RESULT unless -o names another.
 
 \b
 Examples:
@@ -43,16 +43,16 @@ Examples:
 """
 
 
-@click.command("export", help=_HELP, short_help="Write a calibrated lens for another program.")
+@click.command("export", help=_HELP)
 @click.argument("result")
 @click.option("--to", "target", type=click.Choice([*_USED]), required=True, help="What to write.")
 @click.option(
     "--image",
     type=click.IntRange(min=0),
     metavar="N",
-    help="Take lens number N of the file, counted from 0, where it holds several.",
+    help="Use lens number N of the file, counted from 0, where it holds several.",
 )
-@click.option("--force", is_flag=True, help="Write although the refit deviates by over 0.1 px.")
+@click.option("--force", is_flag=True, help="Write even if the refit deviates by more than 0.1 px.")
 @options.labelling
 @click.option("-o", "--output", metavar="FILE", help="Write this file.")
 @options.overwriting

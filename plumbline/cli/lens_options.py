@@ -16,33 +16,33 @@ choosing = stacked(
     click.option(
         "--lens",
         metavar="SOURCE",
-        help="Take the lens from this file: a result or zoom JSON, a Hugin or PTGui project, a "
+        help="Use the lens in this file: a result or zoom JSON, a Hugin or PTGui project, a "
         "LensFun XML file or folder, a PTLens profile, a Hugin lens .ini.",
     ),
     click.option(
         "--ptlens",
         type=Start(),
         metavar="VALUES",
-        help="Take these coefficients, as a=0,b=-0.02,c=0; d and e in the stored photo's pixels.",
+        help="Use these coefficients, as in a=0,b=-0.02,c=0; d and e in the stored photo's pixels.",
     ),
-    click.option("--camera", metavar="NAME", help="Maker and model, where EXIF is silent."),
-    click.option("--lens-name", metavar="NAME", help="Name of the lens, to choose among several."),
+    click.option("--camera", metavar="NAME", help="Maker and model, where EXIF lacks them."),
+    click.option("--lens-name", metavar="NAME", help="Name of the lens, where several match."),
     click.option(
-        "--like", metavar="CAMERA", help="Take the lens of this comparable camera instead."
+        "--like", metavar="CAMERA", help="Use the lens of this comparable camera instead."
     ),
     click.option("--focal", type=Positive(), metavar="MM", help="Focal length in millimetres."),
     click.option(
         "--crop-factor",
         type=Positive(),
         metavar="NUMBER",
-        help="Diagonal of the 35-mm frame over that of the sensor, as much of it as the photo "
-        "shows.",
+        help="Diagonal of the 35-mm frame divided by that of the part of the sensor that the "
+        "photo shows.",
     ),
     click.option(
         "--full-size",
         type=Pair(),
         metavar="WxH",
-        help="Size of the whole picture, at the photo's scale, that the photo is a crop of.",
+        help="Size of the uncropped picture, at the photo's scale, where the photo is a crop.",
     ),
 )
 """What verbs that look up a lens take; `request_of` makes a request of their values."""
@@ -67,5 +67,5 @@ def request_of(
         found_by = {"--lens": lens, "--camera": camera, "--lens-name": lens_name, "--like": like}
         useless = [name for name, value in (found_by | {"--focal": focal}).items() if value]
         if useless:
-            raise click.UsageError(f"--ptlens is the lens itself; leave out {useless[0]}")
+            raise click.UsageError(f"--ptlens already gives the lens; leave out {useless[0]}")
     return LensRequest(lens, ptlens, camera, lens_name, like, focal, crop_factor, full_size)

@@ -6,9 +6,10 @@ import click
 
 _HELP = """List the distortion models.
 
-The names are what --model takes; each has its coefficients, equation and use. r is the distance
-from the distortion centre; "ideal" is where a perfect perspective would put a point, "observed"
-where the photograph shows it. Every model may also free the distortion centre d, e, in pixels.
+Names are values of --model; each comes with its coefficients, equation and use. r is the distance
+from the distortion centre; "ideal" is where a perfect perspective camera would put a point,
+"observed" where the photograph shows it. Every model can also free the distortion centre d, e, in
+pixels.
 
 \b
 Example:
@@ -16,7 +17,7 @@ Example:
 """
 
 
-@click.command("models", help=_HELP, short_help="List the distortion models.")
+@click.command("models", help=_HELP)
 def command() -> None:
     """Print the models, a block each."""
     from plumbline.models import MODELS

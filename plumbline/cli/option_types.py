@@ -14,6 +14,10 @@ AUTO = "auto"
 FILE = "file"
 """The start vector that the project stores."""
 
+_MOST = 1e7
+"""Largest number that an option takes unless it says otherwise; chosen, because no length in
+pixels, millimetres or metres that an option names comes near it, and its square is exact."""
+
 if TYPE_CHECKING:
     _Type = click.ParamType[Any]
 else:
@@ -37,7 +41,7 @@ class Pair(_Type):
         match = re.fullmatch(r"(\d{1,7})[xX×](\d{1,7})", str(value).strip(), re.ASCII)
         if match is None or min(int(match[1]), int(match[2])) < self.least:
             self.fail(
-                f"{value!r} is no pair of whole numbers from {self.least} on, such as 2048x1536",
+                f"{value!r} is not two whole numbers from {self.least} up, such as 2048x1536",
                 param,
                 ctx,
             )
@@ -55,7 +59,7 @@ class Names(_Type):
         """Read `a,b,c`."""
         names = tuple(part.strip() for part in str(value).split(",") if part.strip())
         if not names:
-            self.fail("names no coefficient; write for example a,b,c", param, ctx)
+            self.fail("name at least one coefficient, as in a,b,c", param, ctx)
         return names
 
 
@@ -68,7 +72,7 @@ class ModelName(_Type):
         self.auto = auto
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
-        """Read the name of a model that there is."""
+        """Read the name of a known model."""
         from plumbline.errors import UnsupportedModelError, printable
         from plumbline.models import get_model
 
@@ -104,11 +108,11 @@ class Start(_Type):
 
 
 class Positive(_Type):
-    """A finite number above zero, up to the largest that makes sense."""
+    """A finite number above zero, up to the largest that makes sense; a decimal comma will do."""
 
     name = "number"
 
-    def __init__(self, most: float = 1e7) -> None:
+    def __init__(self, most: float = _MOST) -> None:
         self.most = most
 
     def convert(
@@ -116,21 +120,21 @@ class Positive(_Type):
     ) -> float:
         """Read a positive number."""
         try:
-            number = float(value)
+            number = float(str(value).replace(",", "."))
         except ValueError:
             number = math.nan
         if not 1 / self.most <= number <= self.most:
-            self.fail(f"{value!r} is no number above zero and up to {self.most:g}", param, ctx)
+            self.fail(f"{value!r} is not a number above 0 and up to {self.most:g}", param, ctx)
         return number
 
 
 class Text(_Type):
-    """A name that shows."""
+    """A printable name."""
 
     name = "text"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
-        """Read a name, without blanks around it."""
+        """Read a name and strip the blanks around it."""
         text = str(value).strip()
         if not text or not text.isprintable():
             self.fail("is empty, or not printable", param, ctx)

@@ -10,11 +10,18 @@ import click
 from click.core import ParameterSource
 
 from plumbline.cli import option_types as types
+from plumbline.formats.known import POINT_FORMATS
 
 _F = TypeVar("_F", bound=Callable[..., Any])
 
-_FORMATS = "ptgui, pto, cvat, labelme, via, imagej, webplotdigitizer, winmorph, csv"
 _BOOTSTRAP = 50, 100_000
+"""Limits of `fit.bootstrap`, repeated here since importing them would load JAX for `--help`."""
+_MOST_FOCAL_MM = 1e5
+"""100 m; chosen, because the longest telescopes that take photographs have some tens of metres."""
+_MOST_CROP = 100
+"""Chosen, because the smallest sensors in use (1/10 inch) have a crop factor of about 28."""
+_MOST_PIXEL_ASPECT = 100
+"""Chosen, because anamorphic video stays below 3; more than 100 is a slip."""
 
 
 def refuse_useless(context: click.Context, what: str, useless: Iterable[str]) -> None:
@@ -22,13 +29,13 @@ def refuse_useless(context: click.Context, what: str, useless: Iterable[str]) ->
 
     Args:
         context: The running command's.
-        what: What has no use for them.
+        what: The option or verb that does not use them.
         useless: Their names as parameters of the command.
     """
     for parameter in context.command.params:
         given = context.get_parameter_source(parameter.name or "") is ParameterSource.COMMANDLINE
         if given and parameter.name in set(useless):
-            raise click.UsageError(f"{what} has no use for {parameter.opts[0]}; leave it out")
+            raise click.UsageError(f"{what} does not use {parameter.opts[0]}; leave it out")
 
 
 def refuse_unknown(model: str, coefficients: Mapping[str, Iterable[str] | None]) -> None:
@@ -61,7 +68,7 @@ def refuse_unknown(model: str, coefficients: Mapping[str, Iterable[str] | None])
 
 @contextmanager
 def wrong_call() -> Generator[None]:
-    """Make what is refused within a wrong call, which ends with status 2."""
+    """Turn errors raised inside into a wrong call, which exits with status 2."""
     from plumbline.errors import PlumblineError, printable
 
     try:
@@ -85,7 +92,7 @@ reading = stacked(
     click.option(
         "--photo",
         metavar="FILE",
-        help="The photograph the points were picked in; tells its size and, by EXIF, its lens.",
+        help="The photograph the points were picked in; gives its size and, from EXIF, its lens.",
     ),
     click.option(
         "--size", type=types.Pair(), metavar="WxH", help="Size of the photograph in pixels."
@@ -94,70 +101,85 @@ reading = stacked(
         "--image",
         type=click.IntRange(min=0),
         metavar="N",
-        help="Take only photo number N of the project, counted from 0.",
+        help="Use only photo number N of the project, counted from 0.",
     ),
     click.option(
         "--format",
-        type=click.Choice(_FORMATS.split(", ")),
+        type=click.Choice(POINT_FORMATS),
         metavar="NAME",
-        help=f"Format of the points: {_FORMATS}.",
+        help=f"Format of the points: {', '.join(POINT_FORMATS)}.",
     ),
     click.option(
         "--grid",
         type=types.Pair(least=2),
         metavar="ROWSxCOLS",
-        help="One polyline holds a whole grid of that many rows and columns (WinMorph).",
+        help="The only line of the file holds a whole grid of that many rows and columns.",
     ),
     click.option(
         "--order",
         type=click.Choice(["raster", "zigzag"]),
         default="raster",
         show_default=True,
-        help="How that polyline runs: every row from the left, or back and forth.",
+        help="How that line runs: every row from the left, or back and forth.",
     ),
     click.option(
         "--pixel-aspect",
-        type=types.Ratio(100),
-        default=1.0,
+        type=types.Ratio(_MOST_PIXEL_ASPECT),
         metavar="RATIO",
-        help="Width of a pixel over its height, for video frames; 1 by default.",
+        help="Width of a pixel divided by its height, for video frames; 1 by default.",
     ),
 )
-"""What verbs that read picked points take."""
+"""Options of verbs that read picked points."""
+
+_MAKER = click.option(
+    "--maker", type=types.Text(), metavar="TEXT", help="Maker of the lens, for LensFun."
+)
+_MOUNT = click.option(
+    "--mount", type=types.Text(), metavar="TEXT", help="Mount of the lens, for LensFun."
+)
+_CROP_FACTOR = click.option(
+    "--crop-factor",
+    type=types.Positive(_MOST_CROP),
+    metavar="NUMBER",
+    help="Diagonal of the 35-mm frame divided by that of the sensor.",
+)
+
+
+def _lens_name(*names: str) -> Callable[[_F], _F]:
+    return click.option(
+        "--lens-name",
+        *names,
+        type=types.Text(),
+        metavar="TEXT",
+        help="Name of the lens, for LensFun.",
+    )
+
 
 focal = stacked(
     click.option(
-        "--focal", type=types.Positive(1e5), metavar="MM", help="Focal length in millimetres."
+        "--focal",
+        type=types.Positive(_MOST_FOCAL_MM),
+        metavar="MM",
+        help="Focal length in millimetres.",
     ),
     click.option("--focal-px", type=types.Positive(), metavar="PX", help="Focal length in pixels."),
-    click.option(
-        "--crop-factor",
-        type=types.Positive(100),
-        metavar="NUMBER",
-        help="Diagonal of the 35-mm frame over that of the sensor.",
-    ),
+    _CROP_FACTOR,
 )
-"""What tells the focal length, for models that measure in it."""
+"""Options that give the focal length, for models that measure in it."""
 
 labelling = stacked(
-    click.option(
-        "--maker", type=types.Text(), metavar="TEXT", help="Maker of the lens, for LensFun."
-    ),
-    click.option(
-        "--lens-name", type=types.Text(), metavar="TEXT", help="Name of the lens, for LensFun."
-    ),
-    click.option(
-        "--mount", type=types.Text(), metavar="TEXT", help="Mount of the lens, for LensFun."
-    ),
+    _MAKER,
+    _lens_name(),
+    _MOUNT,
     focal,
     click.option(
         "--aspect-ratio",
         type=types.Ratio(),
         metavar="RATIO",
-        help="Aspect ratio for LensFun, as 3:2 or 1.5; that of the photo by default.",
+        help="Aspect ratio for LensFun, as in 3:2 or 1.5; that of the photo by default.",
     ),
 )
-"""What is known of the lens, where EXIF and project are silent or wrong."""
+"""Facts about the lens, where EXIF and the project lack them or have them wrong."""
 
 
 def _model_option(also: str = "", *, auto: bool) -> Callable[[_F], _F]:
@@ -174,7 +196,7 @@ def _model_option(also: str = "", *, auto: bool) -> Callable[[_F], _F]:
 model = _model_option(auto=False)
 """The model to fit."""
 
-model_or_auto = _model_option(", auto takes the one that `plumbline compare` recommends", auto=True)
+model_or_auto = _model_option(", auto fits the one that `plumbline compare` recommends", auto=True)
 """The model to fit, where it may be chosen by a comparison."""
 
 coefficients = stacked(
@@ -186,37 +208,17 @@ coefficients = stacked(
     ),
     click.option("--hold", type=types.Names(), metavar="NAMES", help="Coefficients not to fit."),
 )
-"""What of a model is fitted."""
+"""Which coefficients of a model are fitted."""
 
 bootstrap = click.option(
     "--bootstrap",
     type=click.IntRange(*_BOOTSTRAP),
     metavar="N",
-    help="Fit N times to resampled residuals, for error bars beside the others.",
+    help="Also fit N times to resampled residuals, for a second set of error bars.",
 )
 
-lens_labels = stacked(
-    click.option(
-        "--maker", type=types.Text(), metavar="TEXT", help="Maker of the lens, for LensFun."
-    ),
-    click.option(
-        "--lens-name",
-        "model",
-        type=types.Text(),
-        metavar="TEXT",
-        help="Name of the lens, for LensFun.",
-    ),
-    click.option(
-        "--mount", type=types.Text(), metavar="TEXT", help="Mount of the lens, for LensFun."
-    ),
-    click.option(
-        "--crop-factor",
-        type=types.Positive(100),
-        metavar="NUMBER",
-        help="Diagonal of the 35-mm frame over that of the sensor.",
-    ),
-)
-"""What verbs take that write a lens of several focal lengths, by the names of `LensFacts`."""
+lens_labels = stacked(_MAKER, _lens_name("model"), _MOUNT, _CROP_FACTOR)
+"""Options of verbs that write a lens of several focal lengths, named as in `LensFacts`."""
 
 overwriting = click.option(
     "--overwrite", is_flag=True, help="Replace files that plumbline did not write."
@@ -227,8 +229,60 @@ plotting = click.option(
     "plots",
     multiple=True,
     metavar="FILE",
-    help="Draw one figure, named by the last part of FILE's stem, as in curve.svg or "
-    "building.curve.png: photo, lines, curve, displacement, uncertainty, radius, along; may be "
-    "given several times.",
+    help="Draw one figure; the last part of FILE's stem names it, as in curve.svg or "
+    "building.curve.png: photo, lines, curve, displacement, uncertainty, corrected, radius, "
+    "along. May be given several times.",
 )
-"""What verbs take that draw the figures of a calibration."""
+"""Options of verbs that draw the figures of a calibration."""
+
+assignment = stacked(
+    click.option(
+        "--case",
+        type=types.Text(),
+        metavar="TEXT",
+        help="Name or number of the case, for the report.",
+    ),
+    click.option(
+        "--examiner",
+        type=types.Text(),
+        metavar="TEXT",
+        help="Who calibrated, for the report.",
+    ),
+)
+"""What a report is for."""
+
+results = stacked(
+    click.option(
+        "-o",
+        "--output",
+        multiple=True,
+        metavar="FILE",
+        help="Write this file (.pto, .xml or .json); may be given several times.",
+    ),
+    click.option(
+        "--report",
+        metavar="FILE",
+        help="Write a report: one HTML page with figures, tables and checksums.",
+    ),
+    assignment,
+)
+"""Options of verbs that fit a lens, for its files."""
+
+printing = stacked(
+    click.option("--json", "as_json", is_flag=True, help="Print the result as JSON."),
+    click.option("-v", "--verbose", is_flag=True, help="List every line, however many."),
+    click.option("-q", "--quiet", is_flag=True, help="Print only the finding and the files."),
+)
+"""Options of verbs that fit a lens, for what they print."""
+
+_DELIVERY = (
+    *("output", "report", "plots", "case", "examiner", "overwrite", "as_json", "verbose", "quiet"),
+)
+
+
+def delivery(how: dict[str, Any]) -> dict[str, Any]:
+    """The values of `results`, `plotting`, `overwriting` and `printing`, taken out of all."""
+    if how["report"] is None:
+        context = click.get_current_context()
+        refuse_useless(context, f"{context.info_name} without --report", ["case", "examiner"])
+    return {name: how.pop(name) for name in _DELIVERY}

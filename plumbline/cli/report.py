@@ -10,9 +10,8 @@ from plumbline.cli import options
 
 _HELP = """Show a calibration as a page with figures, tables and checksums.
 
-RESULT is a JSON that `fit` wrote (-o building.json), or one of `rectify`. The page is one HTML
-file that needs nothing besides itself; print it from any browser. It goes beside RESULT unless -o
-names another.
+RESULT is a JSON that `fit` wrote (-o building.json), or one of `rectify`. The page is one
+self-contained HTML file; print it from any browser. It goes beside RESULT unless -o names another.
 The photo is looked for by its name, beside RESULT and beside the points; without it, figures
 show an empty frame. With --plot and without -o, only those figures are written.
 
@@ -24,18 +23,21 @@ Examples:
 """
 
 
-@click.command(
-    "report",
-    help=_HELP,
-    short_help="Show a calibration as a page with figures, tables and checksums.",
-)
+@click.command("report", help=_HELP)
 @click.argument("result")
 @click.option("-o", "--output", metavar="FILE", help="Write the page to this file (.html).")
 @options.plotting
 @click.option("--photo", metavar="FILE", help="The photograph, where it is not found by its name.")
+@options.assignment
 @options.overwriting
 def command(
-    result: str, output: str | None, plots: tuple[str, ...], photo: str | None, overwrite: bool
+    result: str,
+    output: str | None,
+    plots: tuple[str, ...],
+    photo: str | None,
+    case: str | None,
+    examiner: str | None,
+    overwrite: bool,
 ) -> None:
     """Read, draw, write."""
     from rich.console import Console
@@ -66,6 +68,8 @@ def command(
         Console(stderr=True),
         photo=photo,
         source=result,
+        case=case or "",
+        examiner=examiner or "",
         overwrite=overwrite,
     )
     write_atomically(contents)

@@ -11,12 +11,12 @@ from plumbline.cli import options
 
 _HELP = """Join calibrations at several focal lengths into one lens.
 
-RESULT: JSONs that `fit` wrote. Several at one focal length, also from different specimens of a
-camera, are pooled by their covariances and their scatter is shown. Each coefficient is joined
-over focal length; focal lengths where another calibration is most needed are named.
+RESULT: JSON files that `fit` wrote. Several at one focal length, even from different specimens of a
+camera, are pooled by their covariances, and their scatter is printed. Each coefficient is
+interpolated over focal length; focal lengths where another calibration is most needed are named.
 
-The suffix of -o says what is written: .json for `correct --lens`, .xml for LensFun, .txt for the
-LensFun contributors' script (lenses.txt).
+The suffix of -o chooses what is written: .json for `correct --lens`, .xml for LensFun, .txt for the
+script of LensFun's contributors (lenses.txt).
 
 \b
 Examples:
@@ -25,17 +25,15 @@ Examples:
 """
 
 
-@click.command(
-    "zoom", help=_HELP, short_help="Join calibrations at several focal lengths into one lens."
-)
+@click.command("zoom", help=_HELP)
 @click.argument("results", nargs=-1, required=True, metavar="RESULT…")
 @click.option(
     "--method",
     type=click.Choice(["linear", "hermite", "polynomial"]),
     default="hermite",
     show_default=True,
-    help="How coefficients run over focal length: straight, as LensFun does, or by a polynomial "
-    "weighted by the standard errors.",
+    help="How to interpolate coefficients over focal length: linearly, by LensFun's Hermite "
+    "spline, or by a polynomial weighted by the standard errors.",
 )
 @click.option(
     "--degree",

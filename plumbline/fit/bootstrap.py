@@ -67,7 +67,7 @@ def bootstrap(
             found += [
                 (solution.coefficients * problem.to_px)[chosen]
                 for solution in solutions
-                if is_settled(solution, problem.blank)
+                if is_settled(solution, problem.dof)
             ]
             if done is not None:
                 done(len(solutions))

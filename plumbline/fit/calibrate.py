@@ -6,21 +6,26 @@ from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
-from plumbline.errors import About, CollapsedFitError, DegenerateLinesError, PlumblineError
-from plumbline.fit.outcome import finish, finish_many
-from plumbline.fit.problem import Problem, Start, prepare, prepare_many
+from plumbline.errors import DegenerateLinesError, OptionError, PlumblineError
+from plumbline.fit.choice.compare import compare
+from plumbline.fit.problem import Problem, Start, prepare_many
 from plumbline.fit.program.blocks import shape_of
-from plumbline.fit.program.solve import BATCH, launch, solve
+from plumbline.fit.program.solve import BATCH, launch
 from plumbline.fit.program.task import Solution
-from plumbline.fit.robust.fits import Robust, robust_fits
-from plumbline.fit.robust.suspects import suspects_of
+from plumbline.fit.single import finished, fit_one
 from plumbline.models import get_model
 from plumbline.observations import Observations
 from plumbline.result.calibration import Calibration
 from plumbline.trust.assessment import ResidualKind
+from plumbline.trust.suspect import Suspect
+from plumbline.trust.verdicts import suspects_check
+
+AUTO = "auto"
+"""Stands for the model that the comparison recommends."""
 
 _CHUNK = 4 * BATCH
 """Problems that are prepared, fitted, screened and finished in one go."""
@@ -38,12 +43,14 @@ def calibrate(
     start: Start = None,
     residual: ResidualKind = "image",
     robust: bool = False,
+    done: Callable[[], object] | None = None,
 ) -> Calibration:
     """Find the distortion that makes every picked line straight.
 
     Args:
         observations: Photos of one lens and the lines picked in them.
-        model: Name of the distortion model, see `plumbline.MODELS`.
+        model: Name of the distortion model, see `plumbline.MODELS`; "auto" for the one that
+            `plumbline.compare` recommends, which chooses what is free as well.
         free: Coefficients to fit; None for what the project asks for, else all of the model's.
             `d` and `e`, the distortion centre in pixels, may be among them.
         hold: Coefficients to hold nevertheless.
@@ -53,6 +60,7 @@ def calibrate(
         residual: "image" minimises distances in the photograph's own pixels, where picking
             errors live; "corrected" those in the corrected photo, as Hugin does.
         robust: Leave suspicious picks out. A plain fit uses all, and names these in `suspects`.
+        done: Called after each fit of the comparison where the model is "auto", for progress.
 
     Returns:
         The calibration. One that did not end in a minimum says so in `converged`. Its `lens` is
@@ -60,7 +68,8 @@ def calibrate(
 
     Raises:
         OptionError: an argument is unknown or contradicts the observations.
-        DegenerateLinesError: the lines cannot determine the free coefficients.
+        DegenerateLinesError: the lines cannot determine the free coefficients; its `suspects` are
+            the picks that a robust fit, if there is one, finds wrong.
         CollapsedFitError: they would, but only by a nonsensical lens.
 
     Example:
@@ -69,12 +78,63 @@ def calibrate(
         >>> plumbline.calibrate(obs).coefficients  # doctest: +SKIP
         {'a': 0.032, 'b': -0.098, 'c': 0.042, 'd': 0.0, 'e': 0.0}
     """
-    problem = prepare(observations, get_model(model), free, hold, start, residual)
-    solution = solve(problem.model, problem.task)
-    if problem.plan.staged:
-        return _finished([problem], [solution], [""], robust=robust)[0]
-    from_zero = replace(problem, task=problem.task._replace(staged=True))
-    return _compared_with_zero(problem, solution, from_zero, robust=robust)
+    chosen = None if free is None else tuple(free)
+    how = _How(model, chosen, tuple(hold), start, residual)
+    if model == AUTO:
+        return _recommended(observations, how, done, robust=robust)
+    return _fitted(observations, how, robust=robust)
+
+
+class _How(NamedTuple):
+    """How a lens is to be fitted, see `calibrate`."""
+
+    model: str
+    free: tuple[str, ...] | None
+    hold: tuple[str, ...]
+    start: Start
+    residual: ResidualKind
+
+
+def _recommended(
+    observations: Observations, how: _How, done: Callable[[], object] | None, *, robust: bool
+) -> Calibration:
+    """The fit of the model that `compare` recommends."""
+    if how.free is not None or how.hold or how.start is not None:
+        raise OptionError(
+            "the model auto chooses its coefficients itself",
+            hint="leave out free, hold and start, or name the model",
+        )
+    comparison = compare(observations, done, robust=robust)
+    chosen = comparison.candidates[comparison.recommended]
+    made = _fitted(observations, how._replace(model=chosen.model, free=chosen.free), robust=robust)
+    notes = (
+        f"{chosen.name} was chosen: {comparison.reason}",
+        comparison.quote,
+        comparison.beyond,
+    )
+    return replace(made, remarks=(*made.remarks, *filter(None, notes)))
+
+
+def _fitted(observations: Observations, how: _How, *, robust: bool) -> Calibration:
+    """The fit; where it is refused, a robust one may know which picks are wrong."""
+    try:
+        return fit_one(observations, **how._asdict(), robust=robust)
+    except DegenerateLinesError as error:
+        if not robust:
+            error.suspects = _suspects_beside(observations, how)
+        if error.suspects:
+            finding = suspects_check(error.suspects, observations.n_points, robust=False).finding
+            error.hint = f"{finding}: --robust fits the others"
+        raise
+
+
+def _suspects_beside(observations: Observations, how: _How) -> tuple[Suspect, ...]:
+    """What a robust fit finds wrong where the plain one is refused."""
+    try:
+        made = fit_one(observations, **how._asdict(), robust=True)
+    except PlumblineError:
+        return ()
+    return made.suspects if made.converged else ()
 
 
 def calibrate_many(
@@ -136,75 +196,4 @@ def _finished_later(
     *,
     robust: bool,
 ) -> list[Calibration]:
-    return _finished(problems, solutions(), names, robust=robust)
-
-
-def _finished(
-    problems: Sequence[Problem],
-    solutions: Sequence[Solution],
-    names: Sequence[str],
-    *,
-    robust: bool,
-) -> list[Calibration]:
-    """Calibrations of one model with their suspects; errors begin with the lens's name."""
-    found = robust_fits(problems, solutions)
-    if not robust:
-        plain = zip(finish_many(problems, solutions, names), found, strict=True)
-        return [made if other is None else _accused(made, other) for made, other in plain]
-    made: list[Calibration] = []
-    for problem, solution, other, name in zip(problems, solutions, found, names, strict=True):
-        with About(name):
-            one = finish(problem, solution) if other is None else _suspecting(other)
-        made.append(replace(one, robust=True))
-    return made
-
-
-def _suspecting(found: Robust | DegenerateLinesError) -> Calibration:
-    """The robust fit and what it suspects.
-
-    Raises:
-        DegenerateLinesError: the picks that can be believed do not determine the lens.
-    """
-    if isinstance(found, DegenerateLinesError):
-        raise found
-    made = finish(found.problem, found.solution)
-    return replace(made, suspects=suspects_of(made, found))
-
-
-def _accused(plain: Calibration, found: Robust | DegenerateLinesError) -> Calibration:
-    """The plain fit with the picks that the robust one suspects."""
-    try:
-        return replace(plain, suspects=_suspecting(found).suspects)
-    except DegenerateLinesError as error:
-        note = f"which picks are wrong cannot be told: without the suspicious ones {error.message}"
-        return replace(plain, remarks=(*plain.remarks, note))
-
-
-def _compared_with_zero(
-    problem: Problem, solution: Solution, staged: Problem, *, robust: bool
-) -> Calibration:
-    """The fit from the user's start vector; if the one from zero ends lower, both are told."""
-
-    def fitted(which: Problem, found: Solution) -> Calibration:
-        return _finished([which], [found], [""], robust=robust)[0]
-
-    try:
-        from_zero = fitted(staged, solve(staged.model, staged.task))
-    except PlumblineError:
-        return fitted(problem, solution)
-    values = ", ".join(f"{n} = {from_zero.coefficients[n]:.6g}" for n in from_zero.free)
-    reached = f"starting from zero reaches {from_zero.rms_after_px:.4g} px with {values}"
-    try:
-        made = fitted(problem, solution)
-    except DegenerateLinesError as error:
-        raise CollapsedFitError(
-            f"this start vector leads nowhere ({error.message}), while {reached}",
-            hint="leave out --start",
-        ) from None
-    if from_zero.rms_after_px > made.rms_after_px * (1 - 1e-6) - 1e-9:
-        return made
-    note = (
-        f"this start vector leads to a worse fit ({made.rms_after_px:.4g} px): {reached}; leave "
-        "out --start"
-    )
-    return replace(made, remarks=(*made.remarks, note))
+    return finished(problems, solutions(), names, robust=robust)

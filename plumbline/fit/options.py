@@ -10,8 +10,6 @@ from plumbline.errors import OptionError, UnsupportedModelError
 from plumbline.models import CENTRE, Model
 from plumbline.observations.facts import LensFacts
 
-_NAMES_OF_PTLENS = {"ptlens": {"a": "a", "b": "b", "c": "c"}, "poly3": {"b": "k1"}}
-
 
 @dataclass(frozen=True)
 class Plan:
@@ -94,8 +92,13 @@ def _refuse_geometry(facts: LensFacts) -> None:
 
 def _stored_in(model: Model, facts: LensFacts) -> dict[str, float]:
     """The project's lens values under the model's own names."""
-    names = _NAMES_OF_PTLENS.get(model.name, {}) | {n: n for n in CENTRE}
+    names = _hugin_names(model)
     return {new: facts.stored[old] for old, new in names.items() if old in facts.stored}
+
+
+def _hugin_names(model: Model) -> dict[str, str]:
+    """The model's own names for what a project calls a, b, c, d, e."""
+    return {theirs: mine for mine, theirs in model.of_ptlens.items()} | {n: n for n in CENTRE}
 
 
 def _free(
@@ -110,7 +113,7 @@ def _free(
     if free is not None:
         wanted = set(_known(names, dict.fromkeys(free, 0.0), "the free coefficients include"))
     elif facts.requested:
-        renamed = _NAMES_OF_PTLENS.get(model.name, {}) | {n: n for n in CENTRE}
+        renamed = _hugin_names(model)
         asked = {renamed[n] for n in facts.requested if n in renamed}
         listed = ", ".join(n for n in names if n in asked)
         if not asked & set(model.coefficients):

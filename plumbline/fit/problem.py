@@ -128,7 +128,7 @@ def _planned(
     start: Start,
 ) -> tuple[Plan, Lens]:
     """What is fitted, and the lens before the fit."""
-    facts = _only_lens(observations)
+    facts = only_lens(observations)
     if not observations.lines:
         raise DegenerateLinesError(
             f"{observations.named}there are no lines", hint="pick points along straight edges"
@@ -191,7 +191,12 @@ def _refuse_blind(problems: Sequence[Problem], points: Array, names: Sequence[st
             )
 
 
-def _only_lens(observations: Observations) -> LensFacts:
+def only_lens(observations: Observations) -> LensFacts:
+    """Facts about the one lens that took the photos.
+
+    Raises:
+        OptionError: there are several.
+    """
     if len(observations.lenses) != 1:
         raise OptionError(
             f"these observations are of {len(observations.lenses)} lenses",

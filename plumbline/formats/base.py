@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
 from plumbline.errors import ReadError, printable
-from plumbline.observations import Observations
 
 Order = Literal["raster", "zigzag"]
 
@@ -19,16 +18,20 @@ class Source:
 
     Attributes:
         path: The file as named by the user, for messages.
-        content: Its bytes.
+        content: Its bytes, or those of the member that is read.
+        member: Which member of an archive this is; empty where the file is none.
+        photos: Pictures that stand with it in the archive, by their names without folders.
     """
 
     path: str
     content: bytes = field(repr=False)
+    member: str = ""
+    photos: Mapping[str, bytes] = field(default_factory=dict[str, bytes], repr=False)
 
     @property
     def suffix(self) -> str:
         """The suffix in lower case, with its dot."""
-        name = self.path.replace("\\", "/").rpartition("/")[2]
+        name = (self.member or self.path).replace("\\", "/").rpartition("/")[2]
         return ("." + name.rpartition(".")[2].lower()) if "." in name else ""
 
     @property
@@ -50,7 +53,10 @@ class Source:
         except UnicodeDecodeError:
             binary = True
         if binary:
-            raise self.error("the file is binary, not text", hint="name its format with --format")
+            raise self.error(
+                "the file is binary, not text",
+                hint="export the points as text, such as a table line,x,y",
+            )
 
     def text(self) -> str:
         """The whole file as text: UTF-8 with or without a mark, UTF-16 with one, or Latin-1.
@@ -72,7 +78,8 @@ class Source:
 
     def error(self, message: str, line: int | None = None, hint: str = "") -> ReadError:
         """A `ReadError` about this file, and perhaps one of its lines counted from 1."""
-        return ReadError(message, path=self.path, line=line, hint=hint)
+        path = f"{self.path}: {self.member}" if self.member else self.path
+        return ReadError(message, path=path, line=line, hint=hint)
 
     def number(self, text: str, line: int | None = None, *, what: str = "a coordinate") -> float:
         """A finite number from text; the decimal sign is a dot.
@@ -106,27 +113,6 @@ class ReadOptions:
     size: tuple[int, int] | None = None
     grid: tuple[int, int] | None = None
     order: Order = "raster"
-
-
-@dataclass(frozen=True)
-class Format:
-    """One file format: a row of `FORMATS`.
-
-    Attributes:
-        name: Name for `--format`.
-        title: What it is, for people.
-        suffixes: File name suffixes it may have, in lower case, with the dot.
-        recognises: Whether a file looks like this format.
-        read: Makes observations of it. They may lack the photo's size and are not yet checked
-            (`Observations.checked` is called afterwards); coordinates are plumbline's own,
-            and `Line.rows` tells where in the file each point stands.
-    """
-
-    name: str
-    title: str
-    suffixes: tuple[str, ...]
-    recognises: Callable[[Source], bool]
-    read: Callable[[Source, ReadOptions], Observations]
 
 
 def shown(text: str, most: int = 40) -> str:

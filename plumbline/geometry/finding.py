@@ -9,7 +9,7 @@ import numpy as np
 
 from plumbline.frame import Array
 from plumbline.geometry.lens import Lens
-from plumbline.models.inverse import REACH, invert
+from plumbline.models.inverse import REACH
 
 Kind = Literal["none", "barrel", "pincushion", "wavy"]
 
@@ -64,12 +64,7 @@ def radial_curve(lens: Lens) -> tuple[Array, Array]:
     c = lens.vector * np.array(radial)
     corner = lens.frame.corner_radius * lens.frame.radius_px / unit_px
     observed = corner * np.arange(1, _SAMPLES + 1) / _SAMPLES
-    at_centre = float(model.factor(np.float64(0.0), c))
-    if model.direction == "observed to ideal":
-        ideal = observed * model.factor(observed, c) / at_centre
-        seen = np.minimum.accumulate(model.slope(observed, c) > 0)
-    else:
-        points = np.stack((observed, np.zeros_like(observed)), axis=-1)
-        ideal = invert(model, c, points, REACH * corner)[:, 0] * at_centre
-        seen = np.isfinite(ideal)
+    points = np.stack((observed, np.zeros_like(observed)), axis=-1)
+    ideal = model.undistort(points, c, REACH * corner)[:, 0] * model.central_scale(c)
+    seen = np.isfinite(ideal)
     return observed[seen] * unit_px, ideal[seen] * unit_px

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from plumbline.errors import FoldedError, OptionError
 from plumbline.frame import Array, Frame
 from plumbline.models import CENTRE, Model
-from plumbline.models.inverse import REACH, first_fold, invert
+from plumbline.models.inverse import REACH
 
 
 @dataclass(frozen=True)
@@ -94,8 +94,7 @@ class Lens:
     def undistort_or_nan(self, points_px: ArrayLike) -> Array:
         """As `undistort`, but points beyond the fold become NaN."""
         points = self.frame.normalise(points_px, self.unit_px) - self._offset
-        forward = self.model.direction == "observed to ideal"
-        ideal = self._apply(points) if forward else self._invert(points)
+        ideal = self.model.undistort(points, self.vector, self._reach)
         return self.frame.to_pixels(ideal, self.unit_px)
 
     def distort(self, points_px: ArrayLike) -> Array:
@@ -110,12 +109,15 @@ class Lens:
         Raises:
             FoldedError: the polynomial folds before it reaches a point.
         """
-        points = self.frame.normalise(points_px, self.unit_px)
-        forward = self.model.direction == "ideal to observed"
-        observed = self._apply(points) if forward else self._invert(points)
-        observed_px = self.frame.to_pixels(observed + self._offset, self.unit_px)
+        observed_px = self.distort_or_nan(points_px)
         self._refuse_folded(observed_px, points_px)
         return observed_px
+
+    def distort_or_nan(self, points_px: ArrayLike) -> Array:
+        """As `distort`, but points beyond the fold become NaN."""
+        points = self.frame.normalise(points_px, self.unit_px)
+        observed = self.model.distort(points, self.vector, self._reach)
+        return self.frame.to_pixels(observed + self._offset, self.unit_px)
 
     def fold_radius_px(self) -> float | None:
         """Observed radius in square pixels at which the model folds, if inside the photo.
@@ -123,11 +125,9 @@ class Lens:
         Folding means that two different ideal (or observed) points share one place: the
         derivative of the radial polynomial vanishes there.
         """
-        fold = first_fold(self.model, self.vector, self._reach)
+        fold = self.model.observed_fold(self.vector, self._reach)
         if fold is None:
             return None
-        if self.model.direction == "ideal to observed":
-            fold *= float(self.model.factor(np.float64(fold), self.vector))
         corners = self.frame.normalise(self.frame.corners_px(), self.unit_px) - self._offset
         inside = fold < np.max(np.hypot(corners[:, 0], corners[:, 1]))
         return fold * self.unit_px if inside else None
@@ -140,17 +140,6 @@ class Lens:
     @property
     def _reach(self) -> float:
         return REACH * self.frame.corner_radius * self.frame.radius_px / self.unit_px
-
-    def _apply(self, points: Array) -> Array:
-        x, y = points[..., 0], points[..., 1]
-        mapped = np.stack(self.model.apply(x, y, self.vector), axis=-1)
-        fold = first_fold(self.model, self.vector, self._reach)
-        if fold is not None:
-            mapped[np.hypot(x, y) > fold] = np.nan
-        return mapped
-
-    def _invert(self, points: Array) -> Array:
-        return invert(self.model, self.vector, points, self._reach)
 
     def _refuse_folded(self, mapped: Array, points: ArrayLike) -> None:
         given = np.isnan(np.asarray(points, dtype=np.float64)).any(axis=-1)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -10,9 +12,9 @@ from numpy.typing import ArrayLike
 from plumbline.errors import FoldedError
 from plumbline.frame import Array, Frame
 from plumbline.models import Model
-from plumbline.models.inverse import REACH, invert
+from plumbline.models.inverse import REACH
 
-_LOOKED_AT = 33  # points along a side
+_LOOKED_AT = 33  # points along a side; chosen, distortion is smooth
 
 Turn = tuple[tuple[int, int], tuple[int, int]]
 
@@ -59,7 +61,7 @@ class PhotoLens:
         Raises:
             FoldedError: the polynomial folds before it reaches a point.
         """
-        return self._map(ideal_px, self.ideal_centre, self.observed_centre, "ideal to observed")
+        return self._map(ideal_px, self.ideal_centre, self.observed_centre, self.model.distort)
 
     def undistort(self, observed_px: ArrayLike) -> Array:
         """Map observed points to ideal ones; pixels, shape (..., 2).
@@ -67,7 +69,7 @@ class PhotoLens:
         Raises:
             FoldedError: the polynomial folds before it reaches a point.
         """
-        return self._map(observed_px, self.observed_centre, self.ideal_centre, "observed to ideal")
+        return self._map(observed_px, self.observed_centre, self.ideal_centre, self.model.undistort)
 
     def largest_difference_px(self, other: PhotoLens) -> float:
         """How far two lenses differ over the photograph, but for a shift of the corrected one.
@@ -87,31 +89,27 @@ class PhotoLens:
         points_px: ArrayLike,
         from_centre: tuple[float, float],
         to_centre: tuple[float, float],
-        direction: str,
+        mapping: Callable[[Array, Any, float], Array],
     ) -> Array:
         turn = np.array(self.turn, dtype=np.float64)
         points = self.frame.normalise(points_px, self.unit_px)
         if self.turn != UPRIGHT:
             points = points @ turn
         points = points - np.array(from_centre)
-        if self.model.direction == direction:
-            c = np.array(self.coefficients)
-            mapped = np.stack(self.model.apply(points[..., 0], points[..., 1], c), axis=-1)
-        else:
-            mapped = self._inverse(points)
+        corner = self.frame.corner_radius * self.frame.radius_px / self.unit_px
+        mapped = mapping(points, np.array(self.coefficients), REACH * corner)
+        self._refuse_folded(mapped, points)
         mapped += np.array(to_centre)
         if self.turn != UPRIGHT:
             mapped = mapped @ turn.T
         return self.frame.to_pixels(mapped, self.unit_px)
 
-    def _inverse(self, points: Array) -> Array:
-        corner = self.frame.corner_radius * self.frame.radius_px / self.unit_px
-        solved = invert(self.model, np.array(self.coefficients), points, REACH * corner)
-        lost = int(np.count_nonzero(np.isnan(solved[..., 0])))
+    def _refuse_folded(self, mapped: Array, points: Array) -> None:
+        known = ~np.isnan(points).any(axis=-1)
+        lost = int(np.count_nonzero(np.isnan(mapped).any(axis=-1) & known))
         if lost:
             raise FoldedError(
                 f"the {self.model.label} polynomial of this lens folds before it reaches "
                 f"{lost:,} of the points",
                 hint="the lens values do not belong to this photo; take those of another lens",
             )
-        return solved

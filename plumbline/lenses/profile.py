@@ -22,12 +22,21 @@ from plumbline.lenses.mapping import TURNS, UPRIGHT, PhotoLens, Turn
 from plumbline.lenses.photo_history import history_notes, shape, whole_size
 from plumbline.lenses.request import LensRequest
 from plumbline.models import Model
+from plumbline.photos.cameras import same_camera, shows_other_part
 from plumbline.photos.exif import PhotoFacts
 
 _SAME_SHAPE = 0.02
+"""Relative: chosen between pixels cropped by cameras (under 1 %) and the next shape (3:2 to 16:10,
+7 %)."""
+
 _FAR = 0.1
+"""Relative: chosen, focal lengths in EXIF are rounded by up to 5 % and focusing moves them."""
+
 _NEAR = 0.005
+"""Relative: chosen, a difference that moves no point by a visible amount."""
+
 _VISIBLE_PX = 0.1
+"""Chosen: a tenth of what picks are good for."""
 
 
 @dataclass(frozen=True)
@@ -47,6 +56,7 @@ class LensProfile:
         camera: The camera it was calibrated with; may be empty.
         crop_factor: Of that camera.
         photo_crop: Crop factor of the photo's camera, where the source knows it.
+        shows_part: Whether that is the crop factor of the part of the sensor that is shown.
         pixel_aspect: Width of one pixel over its height.
         photos: Names of the pictures it was calibrated in, in small letters, without folders.
         notes: What to warn of, in plain sentences.
@@ -64,6 +74,7 @@ class LensProfile:
     camera: str = ""
     crop_factor: float | None = None
     photo_crop: float | None = None
+    shows_part: bool = False
     pixel_aspect: float = 1.0
     photos: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
@@ -92,7 +103,9 @@ def laid_over(
         OptionError: the photo is cropped, or of another shape than the lens's pictures, and the
             request does not say how.
     """
-    notes = [*history_notes(photo)]
+    notes = [*photo.notes, *history_notes(photo)]
+    if profile.shows_part:
+        photo = replace(photo, digital_zoom=None)  # it is in the crop factor
     if not any(profile.coefficients) and profile.observed_centre == profile.ideal_centre:
         notes.append("the lens has no distortion: the photo stays as it is")
     elif not any(profile.coefficients):
@@ -196,19 +209,27 @@ def _crop_ratio(
     given = request.crop_factor or profile.photo_crop
     if given is not None and profile.crop_factor is not None:
         return given / profile.crop_factor
-    own = (request.camera or photo.facts.camera).casefold()
-    if not own or not profile.camera or own == profile.camera.casefold():
-        return 1.0
-    if photo.facts.crop_factor and profile.crop_factor:
+    own, theirs = photo.facts.crop_factor, profile.crop_factor
+    camera = request.camera or photo.facts.camera
+    same = not camera or not profile.camera or same_camera(camera, profile.camera)
+    if own and theirs and request.full_size is None:
+        if not same:
+            notes.append(
+                f"the lens was calibrated with {profile.camera}: scaled by the crop factors, "
+                f"{own:.4g} to {theirs:.4g}"
+            )
+            return own / theirs
+        if shows_other_part(own, theirs) or shows_other_part(theirs, own):
+            notes.append(
+                f"EXIF gives a crop factor of {own:.4g}, the calibration's photos have "
+                f"{theirs:.4g}: scaled by them, as another part of one sensor (--crop-factor)"
+            )
+            return own / theirs
+    if not same:
         notes.append(
-            f"the lens was calibrated with {profile.camera}: scaled by the crop factors, "
-            f"{photo.facts.crop_factor:.4g} to {profile.crop_factor:.4g}"
+            f"the lens was calibrated with {profile.camera}, this photo taken with "
+            f"{camera}: taken as sensors of one size (--crop-factor)"
         )
-        return photo.facts.crop_factor / profile.crop_factor
-    notes.append(
-        f"the lens was calibrated with {profile.camera}, this photo taken with "
-        f"{request.camera or photo.facts.camera}: taken as sensors of one size (--crop-factor)"
-    )
     return 1.0
 
 

@@ -12,7 +12,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from plumbline.models.base import Model, even, even_slope
+from plumbline.models.base import Model
+from plumbline.models.polynomials import even, even_slope
 
 
 @dataclass(frozen=True)

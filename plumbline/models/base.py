@@ -17,8 +17,17 @@ To add a model: write one file with a frozen subclass of `Model` that gives `fac
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal
+from functools import lru_cache
+from types import MappingProxyType
+from typing import Any, ClassVar, Literal, final
+
+import numpy as np
+
+from plumbline.frame import Array
+from plumbline.models.inverse import first_fold, invert
+from plumbline.models.polynomials import radius
 
 Direction = Literal["ideal to observed", "observed to ideal"]
 Unit = Literal["half the shorter side", "focal length"]
@@ -38,6 +47,8 @@ class Model(ABC):
         formula: The equation, for people.
         use: Who uses it, for people.
         source: Where it is described.
+        of_ptlens: Which of its coefficients are which of Panorama Tools' a, b, c, where the model
+            is that one or a special case of it; else empty.
     """
 
     name: ClassVar[str]
@@ -48,6 +59,7 @@ class Model(ABC):
     source: ClassVar[str]
     unit: ClassVar[Unit] = "half the shorter side"
     tangential: ClassVar[tuple[str, ...]] = ()
+    of_ptlens: ClassVar[Mapping[str, str]] = MappingProxyType({})
 
     @property
     def powers(self) -> tuple[int, ...]:
@@ -78,6 +90,106 @@ class Model(ABC):
     def label(self) -> str:
         """The name that selects this model."""
         return self.name
+
+    @property
+    @final
+    def takes_observed(self) -> bool:
+        """Whether the polynomial takes the observed point and yields the ideal one."""
+        return self.direction == "observed to ideal"
+
+    @final
+    def distort(self, ideal: Array, c: Any, reach: float) -> Array:
+        """Map ideal points to observed ones.
+
+        Args:
+            ideal: Normalised, from the distortion centre, shape (..., 2).
+            c: The coefficients, in order.
+            reach: The largest radius that is looked at, see `invert`.
+
+        Returns:
+            Observed points, same shape; NaN beyond the fold of the model.
+        """
+        if self.takes_observed:
+            return invert(self, c, ideal, reach)
+        return self._within_fold(ideal, c, reach)
+
+    @final
+    def undistort(self, observed: Array, c: Any, reach: float) -> Array:
+        """Map observed points to ideal ones; arguments and result as for `distort`."""
+        if self.takes_observed:
+            return self._within_fold(observed, c, reach)
+        return invert(self, c, observed, reach)
+
+    @final
+    def argument(self, observed: Any, ideal: Any) -> Any:
+        """Whichever of the two the polynomial takes."""
+        return observed if self.takes_observed else ideal
+
+    @final
+    def as_ideal_motion(self, moved: Array, stretch: Array) -> Array:
+        """How ideal points of given observed ones move where the polynomial's value moves.
+
+        Args:
+            moved: Motion of the polynomial's value, shape (n, 2).
+            stretch: Derivative of the ideal points by the observed ones, shape (n, 2, 2).
+        """
+        return moved if self.takes_observed else -np.einsum("nij,nj->ni", stretch, moved)
+
+    @final
+    def stretch(self, observed: Array, ideal: Array, c: Any) -> Array:
+        """Derivative of ideal points by observed ones, normalised and from the centre.
+
+        Args:
+            observed: Shape (n, 2).
+            ideal: The same undistorted, shape (n, 2).
+            c: The coefficients, each a number or of shape (n,).
+
+        Returns:
+            Shape (n, 2, 2), rows for the ideal point.
+        """
+        x, y = self.argument(observed, ideal).T
+        xx, xy, yx, yy = self.jacobian(x, y, c)
+        if not self.takes_observed:
+            determinant = xx * yy - xy * yx
+            with np.errstate(divide="ignore", invalid="ignore"):
+                xx, xy, yx, yy = (v / determinant for v in (yy, -xy, -yx, xx))
+        return np.stack((xx, xy, yx, yy), axis=-1).reshape(-1, 2, 2)
+
+    @final
+    def observed_fold(self, c: Any, reach: float) -> float | None:
+        """The observed radius at which the model folds, normalised; None if beyond `reach`."""
+        fold = first_fold(self, c, reach)
+        if fold is None or self.takes_observed:
+            return fold
+        return fold * float(self.factor(np.float64(fold), c))
+
+    @final
+    def central_scale(self, c: Any) -> float:
+        """Observed over ideal radius at the centre."""
+        scale = float(self.factor(np.float64(0.0), c))
+        return 1 / scale if self.takes_observed else scale
+
+    def curve_miss(self, observed: Any, ideal: Any, c: Any) -> Any:
+        """By how much radii miss the model's curve, in a form that is linear in coefficients."""
+        r = self.argument(observed, ideal)
+        return r * self.factor(r, c) - self.argument(ideal, observed)
+
+    def in_other_words(self, free: tuple[str, ...]) -> tuple[str, ...]:  # noqa: ARG002
+        """Fits of other models that are the same as this one with `free` fitted, the rest 0."""
+        return ()
+
+    @final
+    def decentred(self, free: tuple[str, ...]) -> bool:
+        """Whether tangential terms are among the coefficients."""
+        return not set(self.tangential).isdisjoint(free)
+
+    @final
+    def ptlens_values(self, coefficients: Mapping[str, float]) -> dict[str, float] | None:
+        """a, b and c of Panorama Tools, or None where the model has no such form."""
+        if not self.of_ptlens:
+            return None
+        own = {theirs: mine for mine, theirs in self.of_ptlens.items()}
+        return {name: coefficients[own[name]] if name in own else 0.0 for name in ("a", "b", "c")}
 
     @abstractmethod
     def factor(self, r: Any, c: Any) -> Any:
@@ -119,23 +231,19 @@ class Model(ABC):
         cross = 2 * (p1 * x + p2 * y)
         return xx + 2 * p1 * y + 6 * p2 * x, xy + cross, xy + cross, yy + 6 * p1 * y + 2 * p2 * x
 
-
-def radius(x: Any, y: Any) -> Any:
-    """√(x² + y²) with a derivative of 0 rather than NaN at the origin."""
-    xp = x.__array_namespace__()
-    r2 = x * x + y * y
-    return xp.where(r2 > 0, xp.sqrt(xp.where(r2 > 0, r2, 1.0)), 0.0)
-
-
-def even(r: Any, *k: Any) -> Any:
-    """1 + k₁ r² + k₂ r⁴ + …, the factor that most models share."""
-    r2 = r * r
-    total = k[-1] * r2
-    for coefficient in reversed(k[:-1]):
-        total = (coefficient + total) * r2
-    return 1.0 + total
+    def _within_fold(self, points: Array, c: Any, reach: float) -> Array:
+        """`apply`, NaN beyond the fold, which is looked for as far out as there are points."""
+        x, y = points[..., 0], points[..., 1]
+        r = np.hypot(x, y)
+        farthest = float(np.max(r, initial=0.0, where=np.isfinite(r)))
+        mapped = np.stack(self.apply(x, y, c), axis=-1)
+        fold = _known_fold(self, tuple(np.asarray(c).tolist()), max(reach, farthest))
+        if fold is not None:
+            mapped[r > fold] = np.nan
+        return mapped
 
 
-def even_slope(r: Any, *k: Any) -> Any:
-    """Derivative of r · `even`: 1 + 3 k₁ r² + 5 k₂ r⁴ + …."""
-    return even(r, *((2 * i + 3) * coefficient for i, coefficient in enumerate(k)))
+@lru_cache(maxsize=64)
+def _known_fold(model: Model, coefficients: tuple[float, ...], reach: float) -> float | None:
+    """`first_fold`, kept: a picture is mapped tile by tile with one lens."""
+    return first_fold(model, np.array(coefficients), reach)

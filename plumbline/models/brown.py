@@ -14,7 +14,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from plumbline.models.base import Model, even, even_slope
+from plumbline.models.base import Model
+from plumbline.models.polynomials import even, even_slope
 
 
 @dataclass(frozen=True)
@@ -36,6 +37,13 @@ class Brown(Model):
     def coefficients(self) -> tuple[str, ...]:
         """k1, k2, k3, p1, p2."""
         return "k1", "k2", "k3", "p1", "p2"
+
+    def in_other_words(self, free: tuple[str, ...]) -> tuple[str, ...]:
+        """The polynomial in even powers, where nothing else is free."""
+        even_powers = dict(zip(self.radial, self.powers, strict=True))
+        if not {*free} <= {*even_powers}:
+            return ()
+        return ("radial:" + ",".join(str(even_powers[name]) for name in free),)
 
     def factor(self, r: Any, c: Any) -> Any:
         """1 + k1 r² + k2 r⁴ + k3 r⁶."""

@@ -12,7 +12,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from plumbline.models.base import Model, even
+from plumbline.models.base import Model
+from plumbline.models.polynomials import even
 
 
 @dataclass(frozen=True)
@@ -33,6 +34,10 @@ class Division(Model):
     def coefficients(self) -> tuple[str, ...]:
         """l1, l2."""
         return "l1", "l2"
+
+    def curve_miss(self, observed: Any, ideal: Any, c: Any) -> Any:
+        """Multiplied by the denominator, which makes it linear."""
+        return ideal * even(observed, c[0], c[1]) - observed
 
     def factor(self, r: Any, c: Any) -> Any:
         """1 / (1 + l1 r² + l2 r⁴)."""

@@ -8,19 +8,51 @@ are shared with the fit, which loops over them in its own way.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
 from plumbline.frame import Array
-from plumbline.models.base import Model, radius
+from plumbline.models.polynomials import radius
 
 REACH = 8.0
 """How far beyond the photo's corner an ideal point is looked for, in corner radii."""
 
 _SAMPLES = 512
+"""Radii at which a fold is looked for: chosen, since between two of them, a thousandth of the
+reach near the photo's corner, a slope of these polynomials does not fall and rise again."""
+
 _MOST_STEPS = 100
+"""Newton steps; ten do, and bisection alone needs 60 for all digits."""
+
 _ABSURD = 1e9
+"""Normalised radius at which the search for a larger range stops: no photo is so wide."""
+
+_OFF_POLE = 1e-6
+"""Share of the range by which Newton's start keeps off a pole: each step doubles the distance to
+it, and from the pole itself, where the slope is infinite, no step leads away."""
+
+
+class Forward(Protocol):
+    """What is inverted: a model's map in its own direction, see `plumbline.models.base.Model`."""
+
+    tangential: ClassVar[tuple[str, ...]]
+
+    def factor(self, r: Any, c: Any) -> Any:
+        """Radius out over radius in."""
+        ...
+
+    def slope(self, r: Any, c: Any) -> Any:
+        """Derivative of the radius out by the radius in."""
+        ...
+
+    def apply(self, x: Any, y: Any, c: Any) -> tuple[Any, Any]:
+        """Map a point."""
+        ...
+
+    def jacobian(self, x: Any, y: Any, c: Any) -> tuple[Any, Any, Any, Any]:
+        """Derivative of `apply` by the point."""
+        ...
 
 
 def limit_candidates(reach: Any, number: int, xp: Any) -> Any:
@@ -28,7 +60,7 @@ def limit_candidates(reach: Any, number: int, xp: Any) -> Any:
     return reach * (xp.arange(1.0, number + 1) / number) ** 2
 
 
-def first_fold(model: Model, c: Any, reach: float) -> float | None:
+def first_fold(model: Forward, c: Any, reach: float) -> float | None:
     """The first radius in (0, reach] at which the model folds, or None.
 
     The slope's sign is looked at on a grid, then its zero is bisected.
@@ -50,7 +82,7 @@ def first_fold(model: Model, c: Any, reach: float) -> float | None:
 
 
 def radius_step(
-    model: Model, c: Any, target: Any, state: tuple[Any, Any, Any]
+    model: Forward, c: Any, target: Any, state: tuple[Any, Any, Any]
 ) -> tuple[Any, Any, Any]:
     """One Newton step for r f(r) = target, kept inside the bracket that it narrows.
 
@@ -68,7 +100,7 @@ def radius_step(
     return xp.where((step >= low) & (step <= high), step, (low + high) / 2), low, high
 
 
-def plane_step(model: Model, c: Any, x: Any, y: Any, u: Any, v: Any) -> tuple[Any, Any]:
+def plane_step(model: Forward, c: Any, x: Any, y: Any, u: Any, v: Any) -> tuple[Any, Any]:
     """One Newton step for m(u, v) = (x, y) from (u, v)."""
     mx, my = model.apply(u, v, c)
     xx, xy, yx, yy = model.jacobian(u, v, c)
@@ -76,7 +108,7 @@ def plane_step(model: Model, c: Any, x: Any, y: Any, u: Any, v: Any) -> tuple[An
     return u + (yy * gx - xy * gy) / determinant, v + (xx * gy - yx * gx) / determinant
 
 
-def invert(model: Model, c: Any, points: Array, reach: float) -> Array:
+def invert(model: Forward, c: Any, points: Array, reach: float) -> Array:
     """Solve m(q) = p.
 
     Args:
@@ -94,7 +126,7 @@ def invert(model: Model, c: Any, points: Array, reach: float) -> Array:
     top = np.float64(_range(model, c, target, reach))
     with np.errstate(divide="ignore"):  # the division model's pole may be hit exactly
         lost = target > top * model.factor(top, c)
-    r = _inverse_radius(model, c, target, np.minimum(target, top), top)
+    r = _inverse_radius(model, c, target, np.minimum(target, (1 - _OFF_POLE) * top), top)
     ratio = np.where(target > 0, r / np.where(target > 0, target, 1.0), 1.0)
     ratio = np.where(lost, np.nan, ratio)
     u, v = x * ratio, y * ratio
@@ -104,7 +136,7 @@ def invert(model: Model, c: Any, points: Array, reach: float) -> Array:
     return np.stack((u, v), axis=-1)
 
 
-def _range(model: Model, c: Any, target: Array, reach: float) -> float:
+def _range(model: Forward, c: Any, target: Array, reach: float) -> float:
     """The radius up to which the inverse is looked for: the fold, or beyond the last target."""
     farthest = float(np.max(target, initial=0.0, where=np.isfinite(target)))
     while True:
@@ -116,7 +148,7 @@ def _range(model: Model, c: Any, target: Array, reach: float) -> float:
         reach *= 2
 
 
-def _inverse_radius(model: Model, c: Any, target: Array, r: Array, top: np.float64) -> Array:
+def _inverse_radius(model: Forward, c: Any, target: Array, r: Array, top: np.float64) -> Array:
     state = (r, np.zeros_like(r), np.full_like(r, top))
     with np.errstate(divide="ignore", invalid="ignore"):
         for _ in range(_MOST_STEPS):
@@ -128,7 +160,7 @@ def _inverse_radius(model: Model, c: Any, target: Array, r: Array, top: np.float
 
 
 def _settle(
-    model: Model, c: Any, x: Array, y: Array, u: Array, v: Array
+    model: Forward, c: Any, x: Array, y: Array, u: Array, v: Array
 ) -> tuple[Array, Array, Array]:
     with np.errstate(all="ignore"):
         for _ in range(_MOST_STEPS):

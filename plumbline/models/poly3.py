@@ -9,6 +9,7 @@ is 1. It is `ptlens` with b = k1 and a = c = 0. Source: LensFun, `<distortion mo
 from __future__ import annotations
 
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any
 
 from plumbline.models.base import Model
@@ -25,6 +26,8 @@ class Poly3(Model):
     use = "LensFun"
     source = "LensFun, model poly3"
 
+    of_ptlens = MappingProxyType({"k1": "b"})
+
     @property
     def coefficients(self) -> tuple[str, ...]:
         """k1."""
@@ -39,6 +42,10 @@ class Poly3(Model):
     def next_powers(self) -> tuple[int, ...]:
         """1, 3."""
         return 1, 3
+
+    def in_other_words(self, free: tuple[str, ...]) -> tuple[str, ...]:
+        """Panorama Tools' b alone."""
+        return ("ptlens b",) if free == ("k1",) else ()
 
     def factor(self, r: Any, c: Any) -> Any:
         """1 − k1 + k1 r²."""

@@ -11,7 +11,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from plumbline.models.base import Model, even, even_slope
+from plumbline.models.base import Model
+from plumbline.models.polynomials import even, even_slope
 
 
 @dataclass(frozen=True)
@@ -29,6 +30,10 @@ class Poly5(Model):
     def coefficients(self) -> tuple[str, ...]:
         """k1, k2."""
         return "k1", "k2"
+
+    def in_other_words(self, free: tuple[str, ...]) -> tuple[str, ...]:
+        """OpenCV's first two coefficients, in units of the focal length."""
+        return (f"opencv {', '.join(free)}",) if {*free} <= {*self.coefficients} else ()
 
     def factor(self, r: Any, c: Any) -> Any:
         """1 + k1 r² + k2 r⁴."""

@@ -10,6 +10,7 @@ is 1 whatever the coefficients. b < 0 is barrel distortion. Source: H. Dersch, P
 from __future__ import annotations
 
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any
 
 from plumbline.models.base import Model
@@ -26,6 +27,8 @@ class PTLens(Model):
     use = "Panorama Tools, Hugin, PTGui, PTLens, LensFun, ImageMagick Barrel"
     source = "H. Dersch, Panorama Tools, 1998; ImageMagick, Barrel; LensFun, model ptlens"
 
+    of_ptlens = MappingProxyType({"a": "a", "b": "b", "c": "c"})
+
     @property
     def coefficients(self) -> tuple[str, ...]:
         """a, b, c."""
@@ -40,6 +43,10 @@ class PTLens(Model):
     def next_powers(self) -> tuple[int, ...]:
         """4."""
         return (4,)
+
+    def in_other_words(self, free: tuple[str, ...]) -> tuple[str, ...]:
+        """With b alone it is LensFun's poly3."""
+        return ("poly3",) if free == ("b",) else ()
 
     def factor(self, r: Any, c: Any) -> Any:
         """Value of a r³ + b r² + c r + 1 − a − b − c."""

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from plumbline.errors import DegenerateLinesError, OptionError, ReadError
 from plumbline.frame import Array
+from plumbline.observations.copies import counted_once, told
 from plumbline.observations.facts import LensFacts
 from plumbline.observations.picks import MAX_SIDE, Line, Origin, Photo
 from plumbline.wording import count, listed
@@ -91,7 +92,7 @@ class Observations:
             made.append(Line(points, 0, label))
         facts = LensFacts(focal_px=None if focal_px is None else float(focal_px))
         photo = Photo(size, pixel_aspect=pixel_aspect)
-        return cls((photo,), tuple(made), (facts,)).checked()
+        return cls((photo,), tuple(made), (facts,)).checked().counted_once()
 
     @classmethod
     def side_by_side(cls, parts: Sequence[Observations]) -> Observations:
@@ -214,6 +215,31 @@ class Observations:
                 hint="pick at least three points along each straight edge",
             )
         return replace(self, photos=photos, lines=tuple(kept), notes=tuple(notes))
+
+    def counted_once(self) -> Observations:
+        """The same observations without lines and picks that stand there twice.
+
+        A copy is no second measurement. Lines of one photo that share two picks or more lie on
+        one edge, and what they share counts once; a single pick that two lines share is where
+        they cross, as in a grid. Notes name the copies.
+        """
+        of_line = [self.photos[line.photo] for line in self.lines]
+        frames = [(photo.lens, photo.size, photo.pixel_aspect) for photo in of_line]
+        photos = [
+            (photo.name or line.photo, *frame)
+            for line, photo, frame in zip(self.lines, of_line, frames, strict=True)
+        ]
+        lines, copies = counted_once(self.lines, photos, frames)
+        if not copies:
+            return self
+        several = len(set(photos)) > 1
+        names = [
+            f"{line.label} of {self.photos[line.photo].name or f'photo {line.photo}'}"
+            if several
+            else line.label
+            for line in self.lines
+        ]
+        return replace(self, lines=lines, notes=(*self.notes, *told(copies, names)))
 
     @property
     def named(self) -> str:

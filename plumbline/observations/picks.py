@@ -26,6 +26,9 @@ class Photo:
         pixel_aspect: Width of one pixel over its height.
         number: Its number in the file it was named by.
         source: Name of the file of points, where that holds this photo alone.
+        sha256: Of the file's bytes when the points were read; empty where it was not at hand.
+        taken: When it was taken, as EXIF has it; may be empty.
+        serial: Serial number of its camera, as EXIF has it; may be empty.
     """
 
     size: tuple[int, int] | None
@@ -34,6 +37,9 @@ class Photo:
     pixel_aspect: float = 1.0
     number: int = 0
     source: str = ""
+    sha256: str = ""
+    taken: str = ""
+    serial: str = ""
 
     @cached_property
     def frame(self) -> Frame:

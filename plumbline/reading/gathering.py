@@ -1,17 +1,16 @@
-"""From files and flags to observations and written results: the verbs minus their parsing."""
+"""From files and the options of the verbs to the observations of each lens."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 from plumbline.errors import OptionError
-from plumbline.files import is_same
+from plumbline.frame import Frame
 from plumbline.observations import Observations
-from plumbline.observations.facts import checked_aspect_ratio
-from plumbline.reading.points import join, read
+from plumbline.observations.facts import LensFacts, checked_aspect_ratio
+from plumbline.reading.points import read
 
 _FACTS = {
     "maker": "maker",
@@ -33,26 +32,35 @@ def parts_of(sources: Sequence[str], options: Mapping[str, Any]) -> list[Observa
         options: Values of `options.reading` and of those of `options.labelling` that it takes.
 
     Raises:
-        PlumblineError: as `gather` and `split_by_lens`.
+        PlumblineError: as `read` and `split_by_lens`.
     """
-    labels = {fact: options.get(name) for name, fact in _FACTS.items()}
+    labels = labels_of(options)
     how = {name: value for name, value in options.items() if name not in _FACTS}
-    return split_by_lens(gather(sources, **how), labels)
+    return split_by_lens(read(sources, **how), labels)
 
 
-def gather(sources: Sequence[str], image: int | None, **how: Any) -> Observations:
-    """Read one or several files of points, of each only photo number `image` if it is given.
+def labels_of(options: Mapping[str, Any]) -> dict[str, Any]:
+    """What `options.labelling` says of a lens, by the names of `LensFacts`."""
+    return {fact: options.get(name) for name, fact in _FACTS.items()}
+
+
+def labelled(facts: LensFacts, labels: Mapping[str, Any], frame: Frame) -> LensFacts:
+    """Facts of a lens with what the user says of it.
+
+    Args:
+        facts: What files tell.
+        labels: Of `labels_of`.
+        frame: The first photo's.
 
     Raises:
-        OptionError: a file is named twice, there is no such photo, or it has no lines.
+        OptionError: the aspect ratio is not the photo's.
     """
-    for index, source in enumerate(sources):
-        if any(is_same(Path(source), other) for other in sources[:index]):
-            raise OptionError(
-                f"{source}: this file is named twice, and its points would count twice",
-                hint="name each file once",
-            )
-    return join([read(source, image=image, **how) for source in sources])
+    given = {name: value for name, value in labels.items() if value is not None}
+    if "crop_factor" in given:
+        given["crop_factor_error"] = None
+    if "aspect_ratio" in given:
+        given["aspect_ratio"] = checked_aspect_ratio(given["aspect_ratio"], frame)
+    return replace(facts, **given)
 
 
 def split_by_lens(observations: Observations, labels: Mapping[str, Any]) -> list[Observations]:
@@ -66,11 +74,9 @@ def split_by_lens(observations: Observations, labels: Mapping[str, Any]) -> list
         OptionError: facts of one lens are given for several.
     """
     with_lines = sorted({observations.photos[line.photo].lens for line in observations.lines})
-    given = {name: value for name, value in labels.items() if value is not None}
-    if "crop_factor" in given:
-        given["crop_factor_error"] = None
+    given = {name for name, value in labels.items() if value is not None}
     single = {"focal_mm": "--focal", "focal_px": "--focal-px"}
-    if len(with_lines) > 1 and (wrong := single.keys() & given.keys()):
+    if len(with_lines) > 1 and (wrong := single.keys() & given):
         raise OptionError(
             f"{single[min(wrong)]} is given once, but the project has {len(with_lines)} lenses",
             hint="select one with --image N",
@@ -78,9 +84,6 @@ def split_by_lens(observations: Observations, labels: Mapping[str, Any]) -> list
     parts: list[Observations] = []
     for lens in with_lines:
         part = observations.of_lens(lens)
-        if "aspect_ratio" in given:
-            frame = part.photos[0].frame
-            given["aspect_ratio"] = checked_aspect_ratio(given["aspect_ratio"], frame)
-        facts = replace(part.lenses[0], **given)
+        facts = labelled(part.lenses[0], labels, part.photos[0].frame)
         parts.append(replace(part, lenses=(facts,)))
     return parts

@@ -3,31 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path, PurePath
 
 from plumbline.errors import OptionError
-from plumbline.files import read_bytes
+from plumbline.files import is_same, read_bytes
+from plumbline.formats.archives import opened
 from plumbline.formats.base import Order, ReadOptions, Source
+from plumbline.formats.grid import refuse_all_as_one
 from plumbline.formats.known import format_of
+from plumbline.formats.units import in_pixels
 from plumbline.observations import Observations, Origin, Photo
-from plumbline.observations.facts import LensFacts
 from plumbline.photos.exif import PhotoFacts, read_photo
-from plumbline.reading.photo import (
-    ONE_FOCAL_LENGTH,
-    agreed_size,
-    note_on_orientation,
-    photo_beside,
-    with_exif,
-)
+from plumbline.photos.identity import identity_of
+from plumbline.reading.joining import join
+from plumbline.reading.photo import agreed_size, note_on_orientation, photo_beside, with_exif
 
-_ONE_FIELD_OF_VIEW = 0.02
 _GIVE_SIZE = ", or the size alone with --size WIDTHxHEIGHT"
-_SHIFT_AND_SHEAR = ("d", "e", "g", "t")
 
 
 def read(
-    path: str | Path,
+    path: str | Path | Sequence[str | Path],
     *,
     photo: str | Path | None = None,
     size: tuple[int, int] | None = None,
@@ -35,30 +31,32 @@ def read(
     format: str | None = None,  # noqa: A002
     grid: tuple[int, int] | None = None,
     order: Order = "raster",
-    pixel_aspect: float = 1.0,
+    pixel_aspect: float | None = None,
     ideal: bool = False,
     singly: bool = False,
 ) -> Observations:
-    """Read picked points from a file of any known format.
+    """Read picked points from files of any known format.
 
     Args:
-        path: The file.
+        path: The file, or several of one lens, which are joined.
         photo: The photograph they were picked in; tells its size, and by EXIF its lens.
         size: Width and height of the photograph, where neither file nor photo tell it.
-        image: Take only photo number `image` of the file, counted from 0.
+        image: Take only photo number `image` of each file, counted from 0.
         format: Name of the file's format; recognised by suffix and content if None.
-        grid: Rows and columns, where one polyline holds a whole grid (WinMorph).
-        order: How that polyline runs: each row from the left, or back and forth.
-        pixel_aspect: Width of one pixel over its height, for video frames.
+        grid: Rows and columns, where the only line of a file holds a whole grid.
+        order: How that line runs: each row from the left, or back and forth.
+        pixel_aspect: Width of one pixel over its height, for video frames; what the file says,
+            or 1, if None.
         ideal: The points are ideal ones, which may lie outside the photo.
         singly: Points count, not lines: lines of one or two points and duplicates stay.
 
     Returns:
-        Checked observations.
+        Checked observations. Copies of lines count once.
 
     Raises:
-        ReadError: the file is missing, damaged or holds no usable line.
-        OptionError: an argument contradicts the file, or it has no such photo.
+        ReadError: a file is missing, damaged or holds no usable line.
+        OptionError: an argument contradicts the file, it has no such photo, a file is named
+            twice, or the files are not of one lens.
         DegenerateLinesError: no line has three distinct points.
 
     Example:
@@ -66,18 +64,54 @@ def read(
         >>> plumbline.read("building.pto").n_points  # doctest: +SKIP
         64
     """
-    source = Source(str(path), read_bytes(path))
-    found = format_of(source, format)
-    if grid is not None and found.name != "winmorph":
-        raise OptionError(
-            f"{path}: a grid is for WinMorph files, and this one is read as {found.name}",
-            hint="leave out --grid, or name the format with --format winmorph",
-        )
     if grid is not None and min(grid) < 2:
         raise OptionError("a grid has at least two rows and two columns", hint="as --grid 7x9")
+    files = [path] if isinstance(path, (str, Path)) else list(path)
+    if not files:
+        raise OptionError("no file is named", hint="name at least one file of points")
+    for index, file in enumerate(files):
+        if any(is_same(Path(file), str(other)) for other in files[:index]):
+            raise OptionError(
+                f"{file}: this file is named twice, and its points would count twice",
+                hint="name each file once",
+            )
     shot = None if photo is None else read_photo(photo, remedy=_GIVE_SIZE)
-    known = size if size is not None or shot is None else shot.size
-    raw = _chosen(source, found.read(source, ReadOptions(known, grid, order)), image)
+    parts: list[Observations] = []
+    for file in files:
+        content = read_bytes(file)
+        source = opened(Source(str(file), content))
+        row = format_of(source, format)
+        known = size if size is not None or shot is None else shot.size
+        raw = _chosen(source, row.read(source, ReadOptions(known, grid, order)), image)
+        if grid is None and not singly:
+            refuse_all_as_one(source, raw)
+        part = _with_photos(source, raw, photo, shot, size, pixel_aspect)
+        if not singly:
+            part = in_pixels(source, part)
+        part = replace(part, origins=(Origin(str(file), row.name, content),))
+        part = part.checked(ideal=ideal, singly=singly)
+        parts.append(part if singly else part.counted_once())
+    return join(parts)
+
+
+def _with_photos(
+    source: Source,
+    raw: Observations,
+    path: str | Path | None,
+    shot: PhotoFacts | None,
+    size: tuple[int, int] | None,
+    pixel_aspect: float | None,
+) -> Observations:
+    """What a file holds, its photos' sizes and lenses completed by the photos themselves.
+
+    Args:
+        source: The file.
+        raw: What it holds.
+        path: The photo that the user names.
+        shot: What it says of itself.
+        size: The photo's size that the user gives.
+        pixel_aspect: The pixel aspect that the user gives.
+    """
     notes = list(raw.notes)
     with_lines = {line.photo for line in raw.lines}
     one_lens = len({raw.photos[index].lens for index in with_lines}) == 1
@@ -94,18 +128,15 @@ def read(
             picture = picture or shot
         agreed = agreed_size(source, each, size if index in with_lines else None, picture)
         name = each.name or (picture.name if picture else "")
-        photos.append(replace(each, size=agreed, name=name, pixel_aspect=pixel_aspect))
+        aspect = each.pixel_aspect if pixel_aspect is None else pixel_aspect
+        photos.append(replace(each, size=agreed, name=name, pixel_aspect=aspect))
         if picture and index in with_lines:
+            file = path if picture is shot and path else Path(source.path).parent / picture.name
+            photos[-1] = replace(photos[-1], **asdict(identity_of(file)))
             pictures.setdefault(each.lens, []).append(picture)
             notes += [n for n in note_on_orientation(picture, agreed) if n not in notes]
     lenses = [with_exif(f, pictures.get(i, []), notes) for i, f in enumerate(raw.lenses)]
-    return replace(
-        raw,
-        photos=tuple(photos),
-        lenses=tuple(lenses),
-        notes=tuple(notes),
-        origins=(Origin(str(path), found.name, source.content),),
-    ).checked(ideal=ideal, singly=singly)
+    return replace(raw, photos=tuple(photos), lenses=tuple(lenses), notes=tuple(notes))
 
 
 def _chosen(source: Source, raw: Observations, image: int | None) -> Observations:
@@ -130,64 +161,3 @@ def _chosen(source: Source, raw: Observations, image: int | None) -> Observation
             + ", ".join(str(number) for number in sorted({line.photo for line in raw.lines})),
         )
     return chosen
-
-
-def join(parts: Sequence[Observations]) -> Observations:
-    """Photos of one lens, read from several files, as one set of observations.
-
-    Raises:
-        OptionError: a file holds several lenses, or the files tell of different lenses or
-            focal lengths.
-    """
-    if len(parts) == 1:
-        return parts[0]
-    for part in parts:
-        if len(part.lenses) != 1:
-            raise OptionError(
-                f"{part.named}the file holds {len(part.lenses)} lenses, and several files together "
-                "are photos of one lens",
-                hint="fit this file by itself",
-            )
-    facts = parts[0].lenses[0]
-    for part in parts[1:]:
-        _refuse_another_lens(facts, parts[0].photos[0], part)
-        facts = facts.completed(part.lenses[0])
-    whole = Observations.side_by_side(parts)
-    photos = tuple(replace(photo, lens=0) for photo in whole.photos)
-    return replace(whole, photos=photos, lenses=(facts,))
-
-
-def _refuse_another_lens(facts: LensFacts, photo: Photo, part: Observations) -> None:
-    """Refuse a file whose lens cannot be that of the files before it."""
-    other = part.lenses[0]
-    if other.projection != facts.projection:
-        raise OptionError(
-            f"{part.named}the photo is marked as {other.projection}, those before it as "
-            f"{facts.projection}",
-            hint="fit this file by itself, or correct the lens type in the project",
-        )
-    for name in _SHIFT_AND_SHEAR if facts.stored and other.stored else ():
-        before, now = facts.stored.get(name, 0.0), other.stored.get(name, 0.0)
-        if before != now:
-            raise OptionError(
-                f"{part.named}the lens has {name} = {now:g}, in the files before it {before:g}: "
-                "these are not photos of one lens",
-                hint="fit this file by itself, or make the values the same",
-            )
-    hint = "fit each focal length by itself"
-    if facts.focal_mm and other.focal_mm:
-        if abs(facts.focal_mm / other.focal_mm - 1) > ONE_FOCAL_LENGTH:
-            raise OptionError(
-                f"{part.named}the focal length is {other.focal_mm:g} mm, in the files before it "
-                f"{facts.focal_mm:g} mm: these are not photos of one lens setting",
-                hint=hint,
-            )
-        return
-    before_px = facts.focal_length_px(photo.frame)
-    now_px = other.focal_length_px(part.photos[0].frame)
-    if before_px and now_px and abs(before_px / now_px - 1) > _ONE_FIELD_OF_VIEW:
-        raise OptionError(
-            f"{part.named}the focal length is {now_px:.0f} px by the field of view or EXIF, in "
-            f"the files before it {before_px:.0f} px: these are not photos of one lens setting",
-            hint=hint + ", or correct the field of view (v) in the project",
-        )

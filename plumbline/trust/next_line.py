@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
@@ -12,6 +14,8 @@ from plumbline.trust.displacement import errors_of, grid_px, motions
 from plumbline.trust.linearised import linearise
 from plumbline.wording import joined
 
+_Key = TypeVar("_Key", bound=Hashable)
+
 _POINTS = 9
 _INSET = 0.04
 _THIRD = 1 / 3
@@ -20,7 +24,7 @@ _AT_EDGE = "near the {} edge"
 _INSIDE = "a third of the way from the centre to the {}"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class NextLine:
     """A line worth picking.
 
@@ -28,11 +32,13 @@ class NextLine:
         place: Where, as in "near the top edge"; places that would do as well are named too.
         from_px: The largest standard error of the correction now.
         to_px: What it would be with nine picks along that line.
+        points_px: These picks, shape (9, 2), for the best of the places.
     """
 
     place: str
     from_px: float
     to_px: float
+    points_px: Array
 
 
 def next_line(trust: Assessment) -> NextLine | None:
@@ -41,27 +47,43 @@ def next_line(trust: Assessment) -> NextLine | None:
     Returns:
         None where the model folds inside the photo, or before it reaches any of these lines.
     """
+    lines = candidates(trust.lens.frame.size)
+    found = lowered_to(trust, lines)
     now = trust.displacement
-    moved = motions(trust.lens, trust.free, grid_px(trust.lens))
-    if now is None or moved is None:
-        return None
-    linear = trust.linearised
-    seen = (linear.jacobian * linear.in_photo[:, None])[linear.kept]
-    found: dict[tuple[str, str], float] = {}
-    for place, points_px in candidates(trust.lens.frame.size).items():
-        more = linearise(
-            trust.lens, [points_px], trust.free, np.ones(len(points_px), dtype=np.bool_), image=True
-        )
-        if not np.all(np.isfinite(more.jacobian)):
-            continue
-        unit = np.asarray(np.linalg.pinv(seen.T @ seen + more.normal), dtype=np.float64)
-        found[place] = trust.sigma_px * float(np.max(errors_of(moved, unit)))
-    if not found:
+    if now is None or not found:
         return None
     best = min(found, key=lambda place: found[place])
     limit = (1 + _ALIKE) * found[best]
     sides = [side for (how, side), to in found.items() if how == best[0] and to <= limit]
-    return NextLine(best[0].format(joined(sides, "or")), now.worst_px, found[best])
+    place = best[0].format(joined(sides, "or"))
+    return NextLine(place, now.worst_px, found[best], lines[best])
+
+
+def lowered_to(trust: Assessment, lines: Mapping[_Key, Array]) -> dict[_Key, float]:
+    """What the largest standard error would be with more picks, for each of some lines.
+
+    Args:
+        trust: How far the fit can be trusted now.
+        lines: Picks along each line in pixels of the lens's frame, shape (n, 2) each.
+
+    Returns:
+        Pixels; lines that the model folds before are left out.
+    """
+    moved = motions(trust.lens, trust.free, grid_px(trust.lens))
+    if moved is None:
+        return {}
+    linear = trust.linearised
+    seen = (linear.jacobian * linear.in_photo[:, None])[linear.kept]
+    normal = seen.T @ seen
+    found: dict[_Key, float] = {}
+    for key, points_px in lines.items():
+        more = linearise(
+            trust.lens, [points_px], trust.free, np.ones(len(points_px), dtype=np.bool_), image=True
+        )
+        if np.all(np.isfinite(more.jacobian)):
+            unit = np.asarray(np.linalg.pinv(normal + more.normal), dtype=np.float64)
+            found[key] = trust.sigma_px * float(np.max(errors_of(moved, unit)))
+    return found
 
 
 def candidates(size: tuple[int, int]) -> dict[tuple[str, str], Array]:

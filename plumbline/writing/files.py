@@ -10,11 +10,11 @@ from typing import Any
 from plumbline.errors import OptionError
 from plumbline.files import RESULT, ZOOM, read_bytes
 from plumbline.formats.base import Source
+from plumbline.formats.known import FORMATS
 from plumbline.lenses.stored import StoredLens
 from plumbline.lenses.stored_files import stored_lenses
 from plumbline.observations.facts import LensFacts
 from plumbline.writing.export import export
-from plumbline.writing.targets import TARGETS
 
 ALLOWED_PX = 0.1
 """The largest deviation of a refitted lens that is written without being forced."""
@@ -62,8 +62,7 @@ def export_file(
         PlumblineError: the result is damaged, or the target cannot hold its lens.
     """
     source = Source(result, read_bytes(result))
-    suffix = ".json" if target == "json" else TARGETS[target].suffix
-    path = output or Path(result).with_suffix(f".{target}{suffix}")
+    path = output or Path(result).with_suffix(f".{target}{FORMATS[target].suffixes[0]}")
     if target == "json":
         if f'"{RESULT}"' not in source.head[:1024]:
             raise OptionError(

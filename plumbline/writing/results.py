@@ -7,15 +7,15 @@ from pathlib import Path
 
 from plumbline.errors import OptionError, UnsupportedModelError
 from plumbline.files import refuse_to_clobber, refuse_unknown_suffix, write_atomically
+from plumbline.formats.known import suffixes
 from plumbline.formats.panotools.pto_writing import new_project, rewritten
-from plumbline.formats.points.csv import write_csv
 from plumbline.observations import Observations, Origin
 from plumbline.result.calibration import Calibration, refuse_unsettled
 from plumbline.result.writing import to_json
 from plumbline.writing.lensfun import lensfun_bytes
 
-RESULT_SUFFIXES = (".pto", ".xml", ".json")
-POINT_SUFFIXES = (".csv", ".pto")
+RESULT_SUFFIXES = tuple(suffixes("results"))
+POINT_SUFFIXES = tuple(suffixes("points"))
 
 
 def write(
@@ -55,47 +55,41 @@ def result_bytes(
         PlumblineError: as `write`.
     """
     suffix = target.suffix.lower()
-    makers = {".pto": project_bytes, ".xml": lensfun_bytes, ".json": _json_bytes}
     refuse_unknown_suffix(target, RESULT_SUFFIXES, "results")
     inputs = [path for made in calibrations for path in _inputs(made.observations)]
     refuse_to_clobber(target, inputs, overwrite=overwrite)
     if suffix != ".json":
         refuse_unsettled(calibrations)
-    return makers[suffix](calibrations)
+    return _WRITERS[suffixes("results")[suffix].name](calibrations)
 
 
 def write_points(observations: Observations, path: str | Path, *, overwrite: bool = False) -> Path:
-    """Write picked points as CSV or as a Hugin project; the format follows the suffix.
+    """Write picked points as CSV, JSON or a Hugin project; the format follows the suffix.
 
     Args:
-        observations: The points. What is known of the lenses goes into a project only.
-        path: Where to, `.csv` or `.pto`.
-        overwrite: Replace a file that plumbline did not mark as its own, as it does projects.
+        observations: The points. What is known of the lenses and the photos' sizes go into a
+            project and into JSON only.
+        path: Where to, `.csv`, `.json` or `.pto`.
+        overwrite: Replace a file that plumbline did not mark as its own, as it does all but CSV.
 
     Raises:
         WriteError: the file exists and is not marked as plumbline's, or cannot be written.
         OptionError: a CSV would mix the lines of several lenses.
     """
     target = Path(path)
-    refuse_unknown_suffix(target, POINT_SUFFIXES, "points")
-    refuse_to_clobber(target, _inputs(observations), overwrite=overwrite)
-    if target.suffix.lower() == ".csv":
-        _refuse_to_mix_lenses(observations)
-        content = write_csv(observations).encode()
-    else:
-        content = new_project(observations, {})
-    write_atomically({target: content})
+    write_atomically({target: points_bytes(observations, target, overwrite=overwrite)})
     return target
 
 
-def _refuse_to_mix_lenses(observations: Observations) -> None:
-    lenses = {observations.photos[line.photo].lens for line in observations.lines}
-    if len(lenses) > 1:
-        raise OptionError(
-            f"{observations.named}the lines are of {len(lenses)} lenses, which a CSV cannot keep "
-            "apart",
-            hint="select a photo with --image N, or write a .pto",
-        )
+def points_bytes(observations: Observations, target: Path, *, overwrite: bool = False) -> bytes:
+    """What `write_points` writes, after its checks; nothing is written yet.
+
+    Raises:
+        PlumblineError: as `write_points`.
+    """
+    refuse_unknown_suffix(target, POINT_SUFFIXES, "points")
+    refuse_to_clobber(target, _inputs(observations), overwrite=overwrite)
+    return suffixes("points")[target.suffix.lower()].write(observations)
 
 
 def resampling_notes(observations: Observations) -> list[str]:
@@ -164,11 +158,8 @@ def ptlens_values(made: Calibration) -> dict[str, float]:
         UnsupportedModelError: the model has no such form.
     """
     coefficients = made.coefficients
-    if made.model == "poly3":
-        radial = {"a": 0.0, "b": coefficients["k1"], "c": 0.0}
-    elif made.model == "ptlens":
-        radial = {name: coefficients[name] for name in ("a", "b", "c")}
-    else:
+    radial = made.lens.model.ptlens_values(coefficients)
+    if radial is None:
         raise UnsupportedModelError(
             f"a Hugin project cannot hold the model {made.model}",
             hint="fit with --model ptlens, or write -o RESULT.json",
@@ -176,3 +167,7 @@ def ptlens_values(made: Calibration) -> dict[str, float]:
     frame = made.lens.frame
     aspect = round(frame.square_size[0]) / frame.width
     return radial | {"d": coefficients["d"] * aspect, "e": coefficients["e"]}
+
+
+_WRITERS = {"json": _json_bytes, "pto": project_bytes, "lensfun": lensfun_bytes}
+"""How the results of fits are written to each format that holds them."""

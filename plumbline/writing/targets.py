@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from math import atan, degrees
 
 from plumbline._version import __version__
-from plumbline.errors import OptionError
 from plumbline.files import MARK
+from plumbline.formats.known import written
 from plumbline.formats.lens_files.imagemagick import barrel
 from plumbline.formats.lens_files.lenses_txt import lenses_txt
 from plumbline.formats.lens_files.lensfun import Distortion, LensfunLens, lensfun_xml
@@ -26,6 +26,7 @@ from plumbline.geometry.lens import Lens
 from plumbline.lenses.stored import StoredLens
 from plumbline.observations import Observations, Photo
 from plumbline.observations.facts import LensFacts
+from plumbline.writing.head import centre_of, crop_factor, focal_mm, lens_name, lensfun_head
 
 _MARK = f"{MARK} {__version__}"
 
@@ -35,13 +36,11 @@ class Target:
     """What a lens can be exported to.
 
     Attributes:
-        suffix: Of the file.
         models: The models it holds as they are; others are refitted to the first.
         centre: Whether it holds a distortion centre.
         write: Makes the file of a lens that it holds.
     """
 
-    suffix: str
     models: tuple[str, ...]
     centre: bool
     write: Callable[[StoredLens], bytes]
@@ -53,10 +52,7 @@ def _known_focal_px(stored: StoredLens) -> float | None:
 
 def _ptlens_values(lens: Lens) -> Mapping[str, float]:
     """a, b, c, d, e of a lens that is ptlens or poly3."""
-    values = dict(lens.coefficients)
-    if lens.model.name == "poly3":
-        values |= {"a": 0.0, "b": values.pop("k1"), "c": 0.0}
-    return values
+    return {**lens.coefficients, **(lens.model.ptlens_values(lens.coefficients) or {})}
 
 
 def _abc(lens: Lens) -> tuple[float, float, float]:
@@ -65,32 +61,16 @@ def _abc(lens: Lens) -> tuple[float, float, float]:
 
 
 def _focal_mm(stored: StoredLens) -> float:
-    focal_mm = stored.facts.focal_length_mm(stored.lens.frame)
-    if focal_mm is None:
-        raise OptionError("the focal length is not known", hint="give it with --focal")
-    return focal_mm
+    return focal_mm(stored.facts, stored.lens.frame)
 
 
-def _crop_factor(stored: StoredLens) -> float:
-    if stored.facts.crop_factor is None:
-        raise OptionError("the crop factor is not known", hint="give it with --crop-factor")
-    return stored.facts.crop_factor
+def _name(stored: StoredLens) -> str:
+    return lens_name(stored.facts, stored.observations)
 
 
 def _head(stored: StoredLens) -> LensfunLens:
-    facts, frame = stored.facts, stored.lens.frame
-    return LensfunLens(
-        maker=facts.maker or "Unknown",
-        model=facts.model or (f"{facts.camera} lens" if facts.camera else "Unnamed lens"),
-        mount=facts.mount or "Generic",
-        crop_factor=_crop_factor(stored),
-        aspect_ratio=facts.aspect_ratio or max(frame.size) / min(frame.size),
-        centre=(
-            stored.lens.coefficients["d"] / frame.radius_px,
-            stored.lens.coefficients["e"] / frame.radius_px,
-        ),
-        comment=_MARK,
-    )
+    lens = stored.lens
+    return lensfun_head([stored.facts], lens.frame, _name(stored), _MARK, centre_of(lens))
 
 
 def _lensfun(stored: StoredLens) -> bytes:
@@ -135,13 +115,12 @@ def _hfov(stored: StoredLens) -> float | None:
 
 
 def _ptlens(stored: StoredLens) -> bytes:
-    facts, crop_factor = stored.facts, _crop_factor(stored)
+    facts, crop = stored.facts, crop_factor([stored.facts])
     maker, model = _camera(facts)
     menu_model = without_maker(model, maker)
     group = frozenset({re.sub(r"[^a-z0-9]", "", f"{maker}{menu_model}".casefold()) or "camera"})
-    name = _head(stored).model
-    made = PTLensLens(name, group, crop_factor, ((_focal_mm(stored), _abc(stored.lens)),))
-    camera = PTLensCamera(maker, menu_model, maker, model, group, crop_factor)
+    made = PTLensLens(_name(stored), group, crop, ((_focal_mm(stored), _abc(stored.lens)),))
+    camera = PTLensCamera(maker, menu_model, maker, model, group, crop)
     return ptlens_profile(camera, made, _MARK)
 
 
@@ -166,13 +145,14 @@ def _opencv(stored: StoredLens) -> bytes:
     return opencv_yaml(stored.lens, stored.homography, _MARK)
 
 
-TARGETS: dict[str, Target] = {
-    "lensfun": Target(".xml", ("ptlens", "poly3", "poly5", "acm"), True, _lensfun),
-    "lenses-txt": Target(".txt", ("ptlens", "poly3"), False, _lenses_txt),
-    "pto": Target(".pto", ("ptlens", "poly3"), True, _pto),
-    "hugin-ini": Target(".ini", ("ptlens", "poly3"), True, _hugin_ini),
-    "ptlens": Target(".txt", ("ptlens", "poly3"), False, _ptlens),
-    "imagemagick": Target(".sh", ("ptlens", "poly3"), True, _imagemagick),
-    "opencv": Target(".yml", ("opencv",), True, _opencv),
+_TARGETS = {
+    "lensfun": Target(("ptlens", "poly3", "poly5", "acm"), True, _lensfun),
+    "lenses-txt": Target(("ptlens", "poly3"), False, _lenses_txt),
+    "pto": Target(("ptlens", "poly3"), True, _pto),
+    "hugin-ini": Target(("ptlens", "poly3"), True, _hugin_ini),
+    "ptlens": Target(("ptlens", "poly3"), False, _ptlens),
+    "imagemagick": Target(("ptlens", "poly3"), True, _imagemagick),
+    "opencv": Target(("opencv",), True, _opencv),
 }
+TARGETS = {name: _TARGETS[name] for name in written("lens")}
 """What `export` writes; `stmap` and `json` are no lenses in other words and stand apart."""

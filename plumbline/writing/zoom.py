@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from plumbline._version import __version__
-from plumbline.errors import OptionError, UnsupportedModelError
+from plumbline.errors import UnsupportedModelError
 from plumbline.files import MARK, RESULT, ZOOM, read_bytes, refuse_unknown_suffix
 from plumbline.formats.base import Source
 from plumbline.formats.lens_files.lenses_txt import lenses_txt
@@ -24,6 +24,8 @@ from plumbline.lenses.zoom.zoom_lens import ZoomLens
 from plumbline.models import CENTRE
 from plumbline.result.calibration import Calibration, refuse_unsettled
 from plumbline.result.files import consistent_results
+from plumbline.wording import count
+from plumbline.writing.head import lens_name, lensfun_head
 
 ZOOM_SUFFIXES = (".json", ".xml", ".txt")
 _BETWEEN = 8
@@ -52,7 +54,7 @@ def read_zoom_lens(
             )
         if f'"{RESULT}"' not in source.head[:1024]:
             raise source.error(
-                "this is no calibration written by plumbline",
+                "this is not a calibration written by plumbline",
                 hint="write one with plumbline fit POINTS -o result.json",
             )
         calibrations += [(path, made) for made in consistent_results(source.text(), path)]
@@ -89,26 +91,18 @@ def zoom_bytes(lens: ZoomLens, target: Path) -> tuple[bytes, list[str]]:
                 f"LensFun holds one distortion centre for all focal lengths: the mean was written, "
                 f"up to {apart_px:.1f} px from those of single focal lengths"
             )
-        return lensfun_xml(replace(_head(lens), centre=centre), entries), notes
+        return lensfun_xml(_head(lens, centre), entries), notes
     if any(np.any(node.values[-2:]) for node in lens.nodes):
         notes.append("lenses.txt holds no distortion centre: it was left out")
     rows = [(entry.focal_mm, list(entry.coefficients.values())) for entry in entries]
     return lenses_txt(_head(lens), rows, f"{MARK} {__version__}"), notes
 
 
-def _head(lens: ZoomLens) -> LensfunLens:
-    facts = lens.facts
-    if facts.crop_factor is None:
-        raise OptionError("the crop factor is not known", hint="give it with --crop-factor")
+def _head(lens: ZoomLens, centre: tuple[float, float] = (0.0, 0.0)) -> LensfunLens:
+    sources = sum(len(node.sources) for node in lens.nodes)
+    comment = f"{MARK} {__version__} from {count(sources, 'calibration')}"
     frame = Frame(*lens.size, lens.pixel_aspect)
-    return LensfunLens(
-        facts.maker or "Unknown",
-        facts.model or (f"{facts.camera} lens" if facts.camera else "Unnamed zoom lens"),
-        facts.mount or "Generic",
-        facts.crop_factor,
-        facts.aspect_ratio or max(frame.square_size) / min(frame.square_size),
-        comment=f"{MARK} {__version__} from {sum(len(n.sources) for n in lens.nodes)} calibrations",
-    )
+    return lensfun_head([lens.facts], frame, lens_name(lens.facts), comment, centre)
 
 
 def _entries(lens: ZoomLens) -> list[Distortion]:

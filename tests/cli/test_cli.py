@@ -20,7 +20,7 @@ from PIL import Image
 
 from plumbline.cli import VERBS, command, options
 from plumbline.fit import bootstrap
-from plumbline.formats.known import FORMATS
+from plumbline.formats.known import POINT_FORMATS
 from plumbline.models import MODELS
 from tests.cli.process import Run
 
@@ -536,7 +536,11 @@ def test_a_missing_file(run: Run) -> None:
         (image() + points(grid()), ("--size", "800x400"), "bad.pto: contradictory sizes"),
         (image() + points(grid()), ("--format", "csv"), "bad.pto"),
         (image() + points(grid()), ("--photo", "none.jpg"), "none.jpg: there is no such photo"),
-        (image() + points(grid()), ("--photo", "bad.pto"), "bad.pto: this is no picture that can"),
+        (
+            image() + points(grid()),
+            ("--photo", "bad.pto"),
+            "bad.pto: this is not a picture that can",
+        ),
         (image() + points(grid()), ("--aspect-ratio", "4:3"), "the aspect ratio 1.333 contradicts"),
     ],
 )
@@ -696,7 +700,7 @@ def test_every_verb_explains_itself(verb: str, flag: str) -> None:
 
 def test_the_formats_in_the_help_are_those_there_are() -> None:
     shown = " ".join(CliRunner().invoke(command, ["fit", "--help"]).output.split())
-    assert "Format of the points: " + ", ".join(FORMATS) + "." in shown
+    assert "Format of the points: " + ", ".join(POINT_FORMATS) + "." in shown
 
 
 FLAGS = """

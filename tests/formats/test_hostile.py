@@ -18,24 +18,10 @@ import pytest
 from hypothesis import example, given, strategies as st
 
 from plumbline.errors import ReadError
-from plumbline.formats.base import Format, ReadOptions, Source
-from plumbline.formats.panotools import ptgui, pto
-from plumbline.formats.points import (
-    csv,
-    cvat,
-    imagej,
-    labelme,
-    via,
-    webplotdigitizer,
-    winmorph,
-)
+from plumbline.formats.base import ReadOptions, Source
+from plumbline.formats.known import FORMATS, POINT_FORMATS, Format
 from plumbline.observations import Observations
-
-FORMATS = {
-    module.FORMAT.name: module.FORMAT
-    for module in (ptgui, pto, cvat, labelme, via, imagej, webplotdigitizer, winmorph, csv)
-}
-"""What is tested; a new format takes its place here and at least one file in SAMPLES."""
+from tests.formats.writers import WRITERS, Lines
 
 X, Y = (10.5, 60.0, 172.5), (20.25, 21.5, 22.0)
 ROI = struct.pack(
@@ -65,7 +51,21 @@ PAIRS = "".join(
     for kind in (3, 4)
     for x, y, x2, y2 in ((10, 20.5, 90, 25 + kind), (50, 22, 10, 20.5), (1e1, 30, 70, 3.5e1))
 )
-SAMPLES: dict[str, list[bytes]] = {
+LINES: Lines = {
+    "roof": [(10.5, 20.25), (60.0, 21.5), (172.5, 22.0)],
+    "left wall": [(5.0, 7.0), (5.5, 80.0), (6.0, 95.5), (4.0, 99.0)],
+}
+OWN = {
+    "lenses": [{"maker": "", "focal_mm": 9.2, "stored": {"a": 0.1}, "requested": ["b"]}],
+    "lens": {"maker": ""},
+    "photos": [{"name": "a.jpg", "number": 0, "size": [200, 100], "pixel_aspect": 1, "lens": 0}],
+    "lines": [{"label": "roof", "photo": 0, "points_px": [[1.5, 2], [3, 4], [5, 6]]}],
+    "origins": [{"path": "a.csv", "format": "csv", "sha256": "12ab"}],
+    "notes": ["a note"],
+}
+RESULT = {"format": "plumbline calibration", "format_version": 1}
+EXTRA: dict[str, list[bytes]] = {
+    "json": [json.dumps(RESULT | {"calibrations": [{"observations": OWN}] * 2}).encode()],
     "pto": [
         (
             "# hugin project file\n#hugin_ptoversion 2\np f0 w100 h80 v50\n"
@@ -130,6 +130,22 @@ GARBAGE = [
     b"<![CDATA[", b"[" * 3000, b"{", b"}", b"null", b"true", b"-", b"0x10", b"PK\x03\x04", b"Iout",
     b"\xed\xa0\x80", b"\\ud800", "\u2028".encode(), b"\x7f\xff\xff\xff", b"=", b"/>", b"X,Y",
 ]  # fmt: skip
+
+
+"""Files in other manners than those of the writers."""
+
+SAMPLES = {
+    name: [
+        *filter(None, (WRITERS[name](LINES, kind) for kind in ("lines", "picks", "groups"))),
+        *EXTRA.get(name, ()),
+    ]
+    for name in POINT_FORMATS
+}
+"""What is tested, of every row of the table."""
+
+
+def test_every_format_has_a_sample() -> None:
+    assert set(SAMPLES) == set(POINT_FORMATS)
 
 
 def ends_well(each: Format, content: bytes, options: ReadOptions) -> None:
@@ -211,7 +227,7 @@ def test_mutated_files(name: str) -> None:
             raise
 
 
-@pytest.mark.parametrize("name", FORMATS)
+@pytest.mark.parametrize("name", POINT_FORMATS)
 @given(content=st.one_of(st.binary(max_size=300), st.text(max_size=300).map(str.encode)))
 @example(content=b"")
 @example(content=b"\xff\xfe")
@@ -222,7 +238,7 @@ def test_arbitrary_bytes(name: str, content: bytes) -> None:
     ends_well(FORMATS[name], content, OPTIONS[1])
 
 
-@pytest.mark.parametrize("name", FORMATS)
+@pytest.mark.parametrize("name", POINT_FORMATS)
 def test_every_sample_is_read_and_every_foreign_one_ends_well(name: str) -> None:
     for content in SAMPLES[name]:
         whole(FORMATS[name].read(Source("sample", content), OPTIONS[1]))
@@ -262,5 +278,5 @@ def test_large_files_are_refused_or_read(kind: str) -> None:
     unit = LARGE[kind]
     for opening in OPENINGS:
         content = opening + unit * (SIZE // len(unit))
-        for each in FORMATS.values():
-            ends_well(each, content, OPTIONS[1])
+        for name in POINT_FORMATS:
+            ends_well(FORMATS[name], content, OPTIONS[1])

@@ -14,7 +14,7 @@ from PIL import Image
 from plumbline.errors import OptionError, PlumblineError, ReadError
 from plumbline.formats.lens_files.lensfun import Distortion, LensfunLens, lensfun_xml
 from plumbline.frame import Array
-from plumbline.lenses.choosing import Candidate
+from plumbline.lenses.choosing import LensMatch
 from plumbline.lenses.lensfun.database import common_database
 from plumbline.lenses.lensfun.entry import interpolated
 from plumbline.lenses.lookup import find_correction, look_up
@@ -146,7 +146,7 @@ def test_the_whole_database_is_scaled_as_by_lensfun() -> None:
         lens = lenses[index]
         focals = [each.focal for each in lens.calib_distortion]
         focal_mm = float(rng.uniform(min(focals), max(focals)))
-        candidate = Candidate(lens.model, (min(focals), max(focals)))
+        candidate = LensMatch(lens.model, (min(focals), max(focals)))
         profile = interpolated(database, lens, None, focal_mm, candidate)
         crop = lens.crop_factor * float(rng.choice([1, 1.25, 1.5, 2]))
         modifier = lensfunpy.Modifier(lens, crop, *size)

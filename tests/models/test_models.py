@@ -437,3 +437,63 @@ def test_what_a_richer_model_has_besides() -> None:
     assert get_model("poly3").richer(("k1",)) == (1, 3)
     assert get_model("radial:2,4").richer(("a2", "a4")) == (6,)
     assert get_model("radial:1,2,3").richer(("a1", "a2", "a3")) == (4,)
+
+
+@every_model
+def test_a_model_maps_both_ways_and_loses_what_lies_beyond_the_fold(name: str) -> None:
+    model, reach = get_model(name), 4.0
+    for seed in range(4):
+        c = moderate(name, np.random.default_rng(seed).uniform(-1, 1, 12).tolist(), 1.0, most=1.2)
+        values, points = vector(model, c), some_points()
+        forward, backward = model.distort, model.undistort
+        if name not in truth.IDEAL_TO_OBSERVED:
+            forward, backward = backward, forward
+        fold = truth.monotonic_to(name, c, reach)
+        beyond = np.hypot(*points.T) > fold
+        near = np.abs(np.hypot(*points.T) - fold) < 1e-3
+        there = forward(points, values, reach)
+        np.testing.assert_array_equal(np.isnan(there[~near, 0]), beyond[~near])
+        np.testing.assert_allclose(
+            there[~beyond & ~near], truth.forward(name, c, points)[~beyond & ~near], rtol=1e-13
+        )
+        if name not in truth.TANGENTIAL:
+            back = backward(there[~beyond & ~near], values, reach)
+            np.testing.assert_allclose(back, points[~beyond & ~near], atol=1e-9)
+
+
+def test_fits_that_are_the_same_in_other_words_have_the_same_curve() -> None:
+    """Told by the models, checked by the independent truth: one curve, whatever the scale."""
+    r, told = np.linspace(0.05, 1.3, 40), 0
+    for name, model in MODELS.items():
+        for n in range(1, len(model.coefficients) + 1):
+            free = model.coefficients[:n]
+            for other in model.in_other_words(free):
+                theirs, _, names = other.partition(" ")
+                theirs_free = tuple(names.split(", ")) if names else tuple(truth.powers(theirs))
+                assert len(theirs_free) == len(free)
+                values = np.linspace(-0.04, 0.03, n)
+                mine = dict.fromkeys(model.coefficients, 0.0) | dict(zip(free, values, strict=True))
+                zero = dict.fromkeys(truth.powers(theirs), 0.0)
+                same = zero | dict(zip(theirs_free, values, strict=True))
+                scales = truth.scale(name, mine, r), truth.scale(theirs, same, r)
+                np.testing.assert_allclose(scales[0], scales[1], rtol=1e-14)
+                told += 1
+    assert told >= 6
+
+
+def test_only_panorama_tools_and_its_special_case_have_a_b_c() -> None:
+    told = {
+        name: model.ptlens_values(dict.fromkeys(model.coefficients, 0.02))
+        for name, model in MODELS.items()
+    }
+    assert told.pop("ptlens") == {"a": 0.02, "b": 0.02, "c": 0.02}
+    assert told.pop("poly3") == {"a": 0.0, "b": 0.02, "c": 0.0}
+    assert set(told.values()) == {None}
+
+
+def test_every_model_with_tangential_terms_is_decentred_by_them() -> None:
+    for name, model in MODELS.items():
+        terms = truth.TANGENTIAL.get(name, ())
+        assert not model.decentred(model.radial)
+        assert all(model.decentred((*model.radial, term)) for term in terms)
+        assert model.decentred(model.coefficients) == bool(terms)

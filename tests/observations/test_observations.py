@@ -15,16 +15,17 @@ from plumbline.observations.facts import LensFacts, best_crop_factor
 from plumbline.wording import count, listed
 
 SIZE = (400, 300)
+LOWER = [[10.0, 290.0], [200.0, 295.0], [390.0, 289.0]]
 EDGE = [[10.0, 12.0], [200.0, 9.0], [390.0, 12.0]]
 
 
 def test_from_arrays_keeps_points_order_and_names() -> None:
     obs = Observations.from_arrays(
-        [EDGE, EDGE[::-1]], SIZE, labels=["eaves", "ridge"], focal_px=500.0, pixel_aspect=1.25
+        [EDGE, LOWER[::-1]], SIZE, labels=["eaves", "ridge"], focal_px=500.0, pixel_aspect=1.25
     )
     assert [line.label for line in obs.lines] == ["eaves", "ridge"]
     assert obs.lines[0].points_px.tolist() == EDGE
-    assert obs.lines[1].points_px.tolist() == EDGE[::-1]
+    assert obs.lines[1].points_px.tolist() == LOWER[::-1]
     assert obs.lines[0].points_px.dtype == np.float64
     assert obs.photos == (Photo(SIZE, pixel_aspect=1.25),)
     assert obs.lenses == (LensFacts(focal_px=500.0),)
@@ -32,13 +33,15 @@ def test_from_arrays_keeps_points_order_and_names() -> None:
 
 
 def test_lines_are_numbered_from_one() -> None:
-    obs = Observations.from_arrays(iter([EDGE, EDGE, EDGE]), SIZE)
+    obs = Observations.from_arrays(
+        iter([EDGE, LOWER, [[5.0, 9.0], [6.0, 90.0], [5.0, 200.0]]]), SIZE
+    )
     assert [line.label for line in obs.lines] == ["1", "2", "3"]
 
 
 def test_labels_may_be_numbers() -> None:
     labels: Any = np.array([7, 8])
-    obs = Observations.from_arrays([EDGE, EDGE], SIZE, labels=labels)
+    obs = Observations.from_arrays([EDGE, LOWER], SIZE, labels=labels)
     assert [line.label for line in obs.lines] == ["7", "8"]
     with pytest.raises(OptionError, match="line 9 has shape"):
         Observations.from_arrays([EDGE, [1.0, 2.0]], SIZE, labels=[7, 9])

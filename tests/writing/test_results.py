@@ -21,7 +21,8 @@ from plumbline.models import MODELS, get_model
 from plumbline.observations import Line, Observations, Origin, Photo
 from plumbline.observations.facts import LensFacts
 from plumbline.result.calibration import Calibration
-from plumbline.writing.lensfun import label_notes, lens_name
+from plumbline.writing.head import lens_name
+from plumbline.writing.lensfun import label_notes
 from plumbline.writing.results import resampling_notes, result_bytes
 
 PROJECT = b'# hugin project file\r\ni w100 h80 f0 v50 a0.5 b0 c0 d0 e0 n"caf\xe9.jpg"\r\n*\r\n'
@@ -282,7 +283,7 @@ def test_labels_fall_back_openly() -> None:
     assert "<!-- made by plumbline" in content
     assert "written as Generic" in content
     camera = calibration(facts=replace(KNOWN, model="", camera="NIKON E995"))
-    assert lens_name(camera) == "NIKON E995 lens"
+    assert lens_name(camera.observations.lenses[0]) == "NIKON E995 lens"
     assert label_notes([calibration()]) == []
 
 
@@ -334,7 +335,7 @@ def test_the_input_is_never_overwritten(tmp_path: Path) -> None:
 # --- points ---------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("suffix", [".csv", ".pto"])
+@pytest.mark.parametrize("suffix", [".csv", ".pto", ".json"])
 def test_points_read_back(tmp_path: Path, suffix: str) -> None:
     observations = calibration().observations
     path = plumbline.write_points(observations, tmp_path / f"p{suffix}")
@@ -355,7 +356,7 @@ def test_a_csv_does_not_mix_lenses(tmp_path: Path) -> None:
 
 
 def test_points_have_no_other_formats(tmp_path: Path) -> None:
-    for name in ("p.xml", "p.json", "p"):
+    for name in ("p.xml", "p.txt", "p"):
         with pytest.raises(PlumblineError, match="points are not written as") as caught:
             plumbline.write_points(calibration().observations, tmp_path / name)
         assert caught.value.hint
@@ -376,5 +377,5 @@ def test_a_fit_without_a_result_goes_into_json_alone(tmp_path: Path) -> None:
             plumbline.write(made, tmp_path / f"x{suffix}")
         assert "check that every pick is on its line" in caught.value.hint
     written = plumbline.write(made, tmp_path / "x.json")
-    assert json.loads(written.read_text())["calibrations"][0]["converged"] is False
+    assert json.loads(written.read_text())["converged"] is False
     assert [path.name for path in tmp_path.iterdir()] == ["x.json"]

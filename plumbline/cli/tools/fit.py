@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from plumbline.cli.option_types import AUTO
 from plumbline.cli.tools.narration import named, progress_bar
 from plumbline.cli.tools.report import compared
-from plumbline.errors import DegenerateLinesError, PlumblineError
-from plumbline.trust.verdicts import suspects_check
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -77,45 +74,22 @@ def compare_lenses(
 
 
 def _fitted(part: Observations, wishes: Wishes, narration: Console) -> Calibration:
-    model, free, notes = wishes.model, wishes.free, list[str]()
-    if model == AUTO:
-        comparison = compared(part, narration, robust=wishes.robust)
-        chosen = comparison.candidates[comparison.recommended]
-        model, free = chosen.model, chosen.free
-        notes = [
-            f"{chosen.name} was chosen: {comparison.reason}",
-            comparison.quote,
-            comparison.beyond,
-        ]
+    from plumbline.fit.calibrate import AUTO, calibrate
+    from plumbline.fit.choice.compare import ROWS
+
+    how: dict[str, Any] = {
+        "model": wishes.model,
+        "free": wishes.free,
+        "hold": wishes.hold,
+        "start": wishes.start,
+        "residual": wishes.residual,
+        "robust": wishes.robust,
+    }
+    if wishes.model == AUTO:
+        with progress_bar(narration, "Comparing models", len(ROWS)) as advance:
+            return calibrate(part, **how, done=lambda: advance(1))
     with narration.status("Fitting…"):
-        from plumbline.fit.calibrate import calibrate
-
-        how: dict[str, Any] = {
-            "model": model,
-            "free": free,
-            "hold": wishes.hold,
-            "start": wishes.start,
-            "residual": wishes.residual,
-        }
-        try:
-            made = calibrate(part, **how, robust=wishes.robust)
-        except DegenerateLinesError as error:
-            if not wishes.robust and (other := without_wrong_picks(part, **how)) is not None:
-                finding = suspects_check(replace(other, robust=False).trust).finding
-                error.hint = f"{finding}: --robust fits the others"
-            raise
-    return replace(made, remarks=(*made.remarks, *filter(None, notes)))
-
-
-def without_wrong_picks(part: Observations, **how: Any) -> Calibration | None:
-    """The robust fit where the plain one is refused; None if it finds no lens either."""
-    from plumbline.fit.calibrate import calibrate
-
-    try:
-        made = calibrate(part, **how, robust=True)
-    except PlumblineError:
-        return None
-    return made if made.converged else None
+        return calibrate(part, **how)
 
 
 def _again(made: Calibration, fits: int, narration: Console) -> Calibration:

@@ -9,24 +9,26 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from plumbline.errors import DegenerateLinesError, PlumblineError
-from plumbline.fit.calibrate import calibrate
+from plumbline.fit.choice.determined import determined
 from plumbline.fit.choice.reasons import beyond, left_out, quote, reason
 from plumbline.fit.choice.recommend import choose
+from plumbline.fit.choice.rows import ROWS, Row
 from plumbline.fit.outcome import finish
 from plumbline.fit.problem import Problem, prepare
 from plumbline.fit.program.solve import solve
+from plumbline.fit.single import fit_one
 from plumbline.frame import Array
 from plumbline.models import CENTRE, get_model
 from plumbline.observations import Observations
 from plumbline.result.calibration import Calibration
 from plumbline.result.comparison import Candidate, Comparison
 from plumbline.trust.displacement import displacement_errors, grid_px
-from plumbline.trust.linearised import in_frame
+from plumbline.trust.picked import picked_range_px
 from plumbline.wording import listed
 
 _GRID = 17
@@ -34,31 +36,6 @@ _MOST_NAMED = 3
 _FINEST_PX = 0.001
 """Residuals below this are rounding, and no reason to prefer a model."""
 
-
-@dataclass(frozen=True)
-class _Row:
-    name: str
-    equals: tuple[str, ...]
-    model: str
-    free: tuple[str, ...]
-
-
-ROWS = (
-    _Row("ptlens b", ("poly3",), "ptlens", ("b",)),
-    _Row("radial:2", ("brown k1",), "brown", ("k1",)),
-    _Row("division l1", (), "division", ("l1",)),
-    _Row("poly5", ("opencv k1, k2",), "poly5", ("k1", "k2")),
-    _Row("radial:2,4", ("brown k1, k2",), "brown", ("k1", "k2")),
-    _Row("division l1, l2", (), "division", ("l1", "l2")),
-    _Row("ptlens a, b, c", (), "ptlens", ("a", "b", "c")),
-    _Row("radial:2,4,6", ("brown k1, k2, k3",), "brown", ("k1", "k2", "k3")),
-    _Row("ptlens b with centre", (), "ptlens", ("b", *CENTRE)),
-    _Row("ptlens with centre", (), "ptlens", ("a", "b", "c", *CENTRE)),
-    _Row("radial:2,4,6 with centre", (), "brown", ("k1", "k2", "k3", *CENTRE)),
-    _Row("brown", (), "brown", ("k1", "k2", "k3", "p1", "p2")),
-    _Row("brown with centre", (), "brown", ("k1", "k2", "k3", "p1", "p2", *CENTRE)),
-)
-"""What is compared, simple models first. Models that are the same in other words are one row."""
 
 _HELD, _FREED = "ptlens a, b, c", "ptlens with centre"
 
@@ -96,7 +73,7 @@ def compare(
     _prepared(observations, ROWS[0])  # what no model can be fitted to is refused at once
     picks = _believed(observations) if robust else observations
 
-    def fitted(row: _Row) -> Candidate:
+    def fitted(row: Row) -> Candidate:
         made = _fitted(picks, row)
         if done is not None:
             done()
@@ -107,22 +84,29 @@ def compare(
     usable = [each.calibration for each in candidates if each.aicc is not None]
     if not usable or usable[0] is None:
         raise _refusal(candidates[0].failure, _robust(picks))
-    points_px = picked_range_px(usable[0])
-    choice = choose(candidates, points_px)
+    points_px = _range_px(usable[0])
+    choice = choose(determined(candidates, points_px), points_px)
     table = list(choice.candidates)
     taken = table[choice.recommended]
     # The same fit again, now with its suspicious picks.
-    named = calibrate(observations, taken.model, free=taken.free, robust=robust)
+    named = fit_one(observations, taken.model, free=taken.free, robust=robust)
     table[choice.recommended] = replace(taken, calibration=named)
     return Comparison(
-        candidates=tuple(table),
+        candidates=tuple(map(_quoting, table)),
         best=choice.best,
         recommended=choice.recommended,
         reason=reason(choice),
-        quote=quote(choice),
+        quote=quote(named),
         beyond=beyond(choice, points_px, grid_px(usable[0].lens, _GRID)),
         centre=_centre(choice.candidates),
     )
+
+
+def _quoting(candidate: Candidate) -> Candidate:
+    """The row with the one error to quote, that of its fit."""
+    quoted = None if candidate.calibration is None else candidate.calibration.quoted
+    known = quoted is not None and candidate.aicc is not None
+    return replace(candidate, overall_error_px=quoted.worst_px if known else None)
 
 
 def _believed(observations: Observations) -> Observations:
@@ -140,11 +124,11 @@ def _believed(observations: Observations) -> Observations:
 def _robust(observations: Observations) -> Calibration | PlumblineError:
     """The robust fit of the richest model that has one, or why even b alone has none."""
     try:
-        return calibrate(observations, free=("a", "b", "c"), robust=True)
+        return fit_one(observations, "ptlens", free=("a", "b", "c"), robust=True)
     except PlumblineError:
         pass
     try:
-        return calibrate(observations, free=("b",), robust=True)
+        return fit_one(observations, "ptlens", free=("b",), robust=True)
     except PlumblineError as error:
         return error
 
@@ -162,26 +146,20 @@ def _refusal(failure: str, found: Calibration | PlumblineError) -> DegenerateLin
         )
     return DegenerateLinesError(
         f"no model can be fitted: {failure}; suspicious: {listed(wrong, _MOST_NAMED)}",
-        hint="mend these picks, or leave them out with --robust",
+        hint="correct these picks, or leave them out with --robust",
     )
 
 
-def picked_range_px(made: Calibration) -> Array:
-    """Points all over the photo, as far out as picks reach, shape (n, 2)."""
-    frame = made.lens.frame
-    grid = frame.normalise(grid_px(made.lens, _GRID))
-    picks = frame.normalise(np.concatenate(in_frame(made.observations, frame)))
-    reached = float(np.max(np.hypot(*picks.T)))
-    # Where no pick comes near the photo's edges the grid is laid over what they reach.
-    grid *= np.minimum(1.0, reached / np.max(grid, axis=0))
-    return frame.to_pixels(grid[np.hypot(*grid.T) <= reached])
+def _range_px(made: Calibration) -> Array:
+    """Points within the range of the picks, shape (n, 2)."""
+    return picked_range_px(made.lens, made.observations)
 
 
-def _prepared(observations: Observations, row: _Row) -> Problem:
+def _prepared(observations: Observations, row: Row) -> Problem:
     return prepare(observations, get_model(row.model), row.free, (), None, "image")
 
 
-def _fitted(observations: Observations, row: _Row) -> Candidate:
+def _fitted(observations: Observations, row: Row) -> Candidate:
     candidate = Candidate(row.name, row.equals, row.model, row.free, None)
     try:
         problem = _prepared(observations, row)
@@ -210,7 +188,7 @@ def _criterion(made: Calibration) -> float:
 
 def _error_px(made: Calibration) -> float | None:
     """The largest standard error within the range of the picks; None if the model folds there."""
-    points_px = picked_range_px(made)
+    points_px = _range_px(made)
     covariances = [made.covariance]
     if made.jackknife is not None:
         covariances.append(made.jackknife.covariance)

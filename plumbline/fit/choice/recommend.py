@@ -24,7 +24,7 @@ from math import exp, hypot, isfinite, sqrt
 from typing import NamedTuple
 
 from plumbline.frame import Array
-from plumbline.models import CENTRE
+from plumbline.models import CENTRE, get_model
 from plumbline.result.calibration import Calibration
 from plumbline.result.comparison import Candidate
 from plumbline.trust.displacement import difference_px
@@ -33,7 +33,6 @@ MATTERS_PX = 0.1
 _AS_GOOD = 1.2
 _NO_SUPPORT = 10.0
 _CENTRE_GAIN = 6.0
-_DECENTRED = {*CENTRE, "p1", "p2"}
 
 
 class Choice(NamedTuple):
@@ -98,11 +97,17 @@ def _allowed(candidates: Sequence[Candidate]) -> list[int]:
     usable = [index for index, each in enumerate(candidates) if each.aicc is not None]
     if not any(isfinite(aicc(candidates[index])) for index in usable):
         return usable[:1]  # too few picks to compare anything
-    plain = [index for index in usable if not _DECENTRED & {*candidates[index].free}]
+    plain = [index for index in usable if not _decentred(candidates[index])]
     if not plain:
         return usable
     held = candidates[min(plain, key=lambda i: aicc(candidates[i]))]
     return [i for i in usable if i in plain or _helps(candidates[i], held)]
+
+
+def _decentred(candidate: Candidate) -> bool:
+    """Whether a row frees the distortion centre, or the tangential terms that act like it."""
+    model = get_model(candidate.model)
+    return model.decentred(candidate.free) or not set(CENTRE).isdisjoint(candidate.free)
 
 
 def _helps(freed: Candidate, held: Candidate) -> bool:
@@ -153,8 +158,7 @@ def error_px(candidate: Candidate) -> float:
 def curves_apart_px(one: Candidate, other: Candidate, points_px: Array) -> float:
     """The largest difference of the curves of two rows that were fitted."""
     here, there = _made(one).lens, _made(other).lens
-    tangential = {*here.model.tangential, *there.model.tangential}
-    perspective = bool(tangential & {*one.free, *other.free})
+    perspective = here.model.decentred(one.free) or there.model.decentred(other.free)
     return difference_px(here, there, points_px, perspective=perspective)
 
 

@@ -19,8 +19,9 @@ from jax import lax
 
 from plumbline.fit.program.blocks import Block
 from plumbline.fit.program.task import Residuals
-from plumbline.models.base import Model, radius
+from plumbline.models.base import Model
 from plumbline.models.inverse import limit_candidates, plane_step, radius_step
+from plumbline.models.polynomials import radius
 
 _MOST_STEPS = 60
 _PLANE_STEPS = 8
@@ -57,7 +58,7 @@ def undistort(
         y: Observed y.
         reach: The largest ideal radius that is looked at.
     """
-    if model.direction == "observed to ideal":
+    if model.takes_observed:
         u, v = model.apply(x, y, c)
         return Undistorted(u, v, model.jacobian(x, y, c), jnp.zeros_like(x))
     u, v, excess = _invert(model, c, x, y, reach)

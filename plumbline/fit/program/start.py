@@ -90,11 +90,7 @@ def _translated(
     ideal = observed / (1 + bend * observed**2) * jnp.maximum(1 + bend * gauge_radius**2, 0.05)
 
     def miss(c: jax.Array) -> jax.Array:
-        if model.name == "division":
-            return ideal * (1 / model.factor(observed, c)) - observed
-        if model.direction == "ideal to observed":
-            return ideal * model.factor(ideal, c) - observed
-        return observed * model.factor(observed, c) - ideal
+        return model.curve_miss(observed, ideal, c)
 
     radial = jnp.array([name not in model.tangential for name in model.coefficients])
     fitted = free[:-2] & radial

@@ -19,8 +19,9 @@ from numpy.typing import NDArray
 from plumbline.fit.problem import Problem
 from plumbline.fit.program.blocks import unpack
 from plumbline.fit.program.task import Solution
+from plumbline.fit.robust.worth import ROUNDED_PX
 from plumbline.frame import Array
-from plumbline.geometry.derivatives import Ideal, stretch
+from plumbline.geometry.derivatives import Ideal
 from plumbline.geometry.lines import Lines, fit_lines, line_numbers
 from plumbline.trust.linearised import across_stretch
 from plumbline.trust.student import quantile
@@ -47,6 +48,7 @@ class Picks:
         line: Line of each pick, counted over all problems.
         problem: Problem of each pick.
         n_free: Number of free coefficients of each problem.
+        finest_px: The least σ that the picks of each problem can have.
     """
 
     ideal: Ideal
@@ -54,6 +56,7 @@ class Picks:
     line: NDArray[np.int64]
     problem: NDArray[np.int64]
     n_free: NDArray[np.int64]
+    finest_px: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,10 +88,21 @@ def picks_at(problems: Sequence[Problem], solutions: Sequence[Solution]) -> Pick
     ideal = np.stack(
         (unpack(packed, [s.u for s in solutions]), unpack(packed, [s.v for s in solutions])), axis=1
     )
-    slopes = stretch(model, found[:, :-2].T, observed - found[:, -2:], ideal)
+    slopes = model.stretch(observed - found[:, -2:], ideal, found[:, :-2].T)
     sizes = np.concatenate([problem.packed.sizes for problem in problems])
     n_free = np.array([len(problem.plan.free) for problem in problems])
-    return Picks(Ideal(ideal * units, slopes), sizes, line_numbers(sizes), of_problem, n_free)
+    finest_px = np.array([finest(problem) for problem in problems])
+    ideal_px = Ideal(ideal * units, slopes)
+    return Picks(ideal_px, sizes, line_numbers(sizes), of_problem, n_free, finest_px)
+
+
+def finest(problem: Problem) -> float:
+    """The least σ that picks can have: rounding, where all coordinates are whole numbers."""
+    whole = all(
+        np.array_equal(line.points_px, np.rint(line.points_px))
+        for line in problem.observations.lines
+    )
+    return ROUNDED_PX if whole else FINEST_PX
 
 
 def screen(picks: Picks) -> Screened:
@@ -211,13 +225,13 @@ def _middle(picks: Picks, distance_px: Array, exact: int) -> Array:
     nothing = exact * lines_of
     rank = np.minimum(nothing + (counts - nothing) // 2, counts - 1)
     middle = ordered[np.arange(n_problems), rank]
-    return np.maximum(np.where(np.isfinite(middle), 1.4826 * middle, np.inf), FINEST_PX)
+    return np.maximum(np.where(np.isfinite(middle), 1.4826 * middle, np.inf), picks.finest_px)
 
 
 def _sigma(picks: Picks, kept: NDArray[np.bool_], distance_px: Array) -> Array:
     square = np.where(kept, distance_px, 0.0) ** 2
     total = np.bincount(picks.problem, square, len(picks.n_free))
-    return np.maximum(np.sqrt(total / _dof(picks, kept)), FINEST_PX)
+    return np.maximum(np.sqrt(total / _dof(picks, kept)), picks.finest_px)
 
 
 def _dof(picks: Picks, kept: NDArray[np.bool_]) -> NDArray[np.int64]:

@@ -17,7 +17,7 @@ from plumbline.fit.problem import Problem
 from plumbline.fit.robust.agreement import Alike, alike, evidence
 from plumbline.fit.robust.screening import Picks
 from plumbline.frame import Array
-from plumbline.geometry.derivatives import Ideal, stretch
+from plumbline.geometry.derivatives import Ideal
 from plumbline.geometry.lines import line_numbers
 from plumbline.models import CENTRE, get_model
 
@@ -161,6 +161,8 @@ def _bent(seen: _Seen, bend: Array) -> Picks:
     c = bend[0] / seen.far**2, bend[1] / seen.far**4
     r2 = np.sum(seen.observed**2, axis=1)
     ideal = seen.observed / (1 + c[0] * r2 + c[1] * r2**2)[:, None]
-    slopes = stretch(get_model("division"), c, seen.observed, ideal)
+    slopes = get_model("division").stretch(seen.observed, ideal, c)
     one, line = np.zeros(len(r2), dtype=np.int64), line_numbers(seen.sizes)
-    return Picks(Ideal(ideal * seen.unit_px, slopes), seen.sizes, line, one, np.array([1]))
+    return Picks(
+        Ideal(ideal * seen.unit_px, slopes), seen.sizes, line, one, np.array([1]), np.zeros(1)
+    )

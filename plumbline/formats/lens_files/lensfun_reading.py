@@ -8,13 +8,11 @@ Sample and source: `plumbline.formats.lens_files.lensfun`.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
-
-from lxml import etree  # pyright: ignore[reportAttributeAccessIssue]
 
 from plumbline.errors import printable
 from plumbline.formats.base import Source
 from plumbline.formats.lens_files.lensfun import Distortion
+from plumbline.formats.xmltext import Element, parsed
 
 DEFAULT_ASPECT = 1.5
 _LARGEST = 1e9
@@ -64,19 +62,12 @@ def read_lensfun(source: Source) -> LensfunFile:
     """Read a LensFun database file; entities and network are off.
 
     Raises:
-        ReadError: the file is damaged or no LensFun database.
+        ReadError: the file is damaged or not a LensFun database.
     """
-    parser = etree.XMLParser(
-        resolve_entities=False, no_network=True, load_dtd=False, huge_tree=False
-    )
-    try:
-        root = etree.fromstring(source.content, parser)
-    except etree.XMLSyntaxError as error:
-        row = error.position[0] if error.position else None
-        raise source.error(f"the XML is damaged: {error.msg}", row, _HINT) from None
+    root = parsed(source, _HINT)
     if root.tag != "lensdatabase":
-        raise source.error("this is no LensFun database", root.sourceline, _HINT)
-    version = root.get("version") or "0"
+        raise source.error("this is not a LensFun database", root.sourceline, _HINT)
+    version = root.get("version", "0")
     if version not in ("0", "1", "2"):
         raise source.error(
             f"this is a LensFun database of version {printable(version)[:20]}; 1 and 2 are read",
@@ -87,7 +78,7 @@ def read_lensfun(source: Source) -> LensfunFile:
     return LensfunFile(int(version), lenses)
 
 
-def _lens(source: Source, element: Any) -> LensfunEntry:
+def _lens(source: Source, element: Element) -> LensfunEntry:
     centre = element.find("center")
     across, down = (0.0, 0.0)
     if centre is not None:
@@ -107,7 +98,7 @@ def _lens(source: Source, element: Any) -> LensfunEntry:
     )
 
 
-def _distortion(source: Source, element: Any) -> Distortion | None:
+def _distortion(source: Source, element: Element) -> Distortion | None:
     model = element.get("model", "")
     if model == "none":
         return None
@@ -126,22 +117,22 @@ def _distortion(source: Source, element: Any) -> Distortion | None:
     return Distortion(model, focal_mm, values)
 
 
-def _attribute(source: Source, element: Any, name: str, default: float | None) -> float:
-    text = element.get(name)
-    if text is None:
+def _attribute(source: Source, element: Element, name: str, default: float | None) -> float:
+    text = element.get(name, "")
+    if not text:
         if default is None:
             raise source.error(f"<{element.tag}> has no {name}", element.sourceline, _HINT)
         return default
     return source.number(text.strip(), element.sourceline, what=f"the value of {name}")
 
 
-def _text(element: Any, tag: str) -> str:
+def _text(element: Element, tag: str) -> str:
     """The text of a tag in no particular language; LensFun keeps the last, too."""
-    found = [each for each in element.findall(tag) if each.get("lang") is None]
+    found = [each for each in element.findall(tag) if not each.get("lang", "")]
     return printable((found[-1].text or "").strip()) if found else ""
 
 
-def _positive(source: Source, element: Any, tag: str, default: float) -> float:
+def _positive(source: Source, element: Element, tag: str, default: float) -> float:
     child = element.find(tag)
     if child is None:
         return default
@@ -151,7 +142,7 @@ def _positive(source: Source, element: Any, tag: str, default: float) -> float:
     return value
 
 
-def _aspect(source: Source, element: Any) -> float:
+def _aspect(source: Source, element: Element) -> float:
     child = element.find("aspect-ratio")
     if child is None:
         return DEFAULT_ASPECT

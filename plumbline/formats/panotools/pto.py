@@ -19,9 +19,10 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
-from plumbline.formats.base import Format, ReadOptions, Source
+from plumbline.formats.base import ReadOptions, Source
 from plumbline.formats.panotools.control_points import collect_lines
 from plumbline.formats.panotools.point_records import ControlPoints, take_points
+from plumbline.formats.panotools.pto_writing import new_project
 from plumbline.formats.panotools.script import (
     STAND_IN,
     UNKNOWN_HFOV_DEG,
@@ -47,7 +48,8 @@ class _Script:
     variables: list[tuple[str, int]] = field(default_factory=list[tuple[str, int]])
 
 
-def _recognises(source: Source) -> bool:
+def recognises(source: Source) -> bool:
+    """Whether the file is a Hugin project or a script with images."""
     head = source.head
     if head.lstrip().startswith("# ptGui"):
         return False
@@ -89,7 +91,12 @@ def _without_hfov(image: ImageRecord) -> ImageRecord:
     return replace(image, values={n: value for n, value in image.values.items() if n != "v"})
 
 
-def _read(source: Source, _: ReadOptions) -> Observations:
+def read(source: Source, _options: ReadOptions) -> Observations:
+    """Straight lines of a project.
+
+    Raises:
+        ReadError: a record is damaged, or there is no image.
+    """
     script = _parse(source)
     if not script.images:
         raise source.error("there is no image in this project", hint="add the photo in Hugin")
@@ -184,10 +191,6 @@ def refuse_moved_centre(source: Source, image: ImageRecord) -> None:
         )
 
 
-FORMAT = Format(
-    name="pto",
-    title="Hugin project, or script for the Panorama Tools optimiser",
-    suffixes=(".pto",),
-    recognises=_recognises,
-    read=_read,
-)
+def write(observations: Observations) -> bytes:
+    """A new project of picked points."""
+    return new_project(observations, {})

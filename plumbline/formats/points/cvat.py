@@ -7,9 +7,11 @@
       </image>
     </annotations>
 
-Every polyline is one line; a label is a class name, so that one which occurs twice makes two
-lines. Kept: labels, coordinates, names and sizes of the photos. Dropped: other shapes (a note
-says which), attributes, tags, photos without polylines.
+Every polyline, and every points shape of three clicks or more, is one line; a label is a class
+name, so that one which occurs twice makes two lines. Points of fewer clicks that share a group or
+else a label are one line. The download of a task is a zip, which is read as it is. Kept: labels,
+coordinates, names and sizes of the photos. Dropped: other shapes (a note says which), attributes,
+tags, photos without them.
 
 CVAT draws in SVG over the photo, where (0, 0) is the corner of the first pixel and the last
 corner is (width, height) (its issue 9973 shows a point dragged to 1920,1080 of a 1920x1080
@@ -18,32 +20,14 @@ photo), so 0.5 is subtracted here.
 
 from __future__ import annotations
 
-import io
 import re
-from collections.abc import Iterable, Iterator
-from typing import Protocol, cast
 
-from lxml import etree  # pyright: ignore[reportAttributeAccessIssue]
-
-from plumbline.formats.base import Format, ReadOptions, Source
-from plumbline.formats.points.lines import LineGatherer, Size, clean_label, declared_size
+from plumbline.formats.base import ReadOptions, Source
+from plumbline.formats.points.lines import FEWEST, LineGatherer, Size, declared_size
+from plumbline.formats.xmltext import Element, parsed, row_of
 from plumbline.observations import Observations
 
-MAX_LENGTH = 64 * 2**20
-MAX_NODES = 4_000_000
 _FIRST = re.compile(r"<annotations[\s>]")
-
-
-class _Element(Protocol):
-    """What is used of an element of lxml, which has no types of its own."""
-
-    tag: object
-    sourceline: int | None
-
-    def get(self, name: str, default: str = ..., /) -> str: ...
-    def find(self, path: str, /) -> object: ...
-    def iterfind(self, path: str, /) -> Iterable[_Element]: ...
-    def __iter__(self) -> Iterator[_Element]: ...
 
 
 def read(source: Source, _options: ReadOptions) -> Observations:
@@ -52,7 +36,7 @@ def read(source: Source, _options: ReadOptions) -> Observations:
     Raises:
         ReadError: the XML is broken, declares entities, or is not CVAT's.
     """
-    root = _root(source)
+    root = parsed(source)
     if root.tag != "annotations":
         raise source.error(
             "the XML is not CVAT's: its first element is not <annotations>",
@@ -64,21 +48,24 @@ def read(source: Source, _options: ReadOptions) -> Observations:
             hint="export the task as 'CVAT for images 1.1'",
         )
     gatherer = LineGatherer(source, shift_px=-0.5)
-    for number, image in enumerate(root.iterfind("image"), start=1):
+    for number, image in enumerate(root.findall("image"), start=1):
         size = _size(source, image)
         for shape in image:
-            if shape.tag == "polyline":
-                gatherer.add(
-                    _points(source, shape),
-                    shape.get("label", ""),
-                    photo=number,
-                    photo_name=image.get("name", ""),
-                    size=size,
-                    rows=_line(shape),
+            label, row = shape.get("label", ""), row_of(shape)
+            name = image.get("name", "")
+            if shape.tag not in {"polyline", "points"}:
+                if shape.tag != "tag":
+                    gatherer.leave_aside(str(shape.tag))
+                continue
+            points = _points(source, shape)
+            if shape.tag == "polyline" or len(points) >= FEWEST:
+                gatherer.add(points, label, photo=number, photo_name=name, size=size, rows=row)
+            else:
+                group = shape.get("group_id", "") or None
+                gatherer.pick(
+                    points, label, group=group, photo=number, photo_name=name, size=size, row=row
                 )
-            elif isinstance(shape.tag, str) and shape.tag != "tag":
-                gatherer.leave_aside(shape.tag)
-    return gatherer.observations("polylines")
+    return gatherer.observations("polylines and points")
 
 
 def recognises(source: Source) -> bool:
@@ -86,44 +73,11 @@ def recognises(source: Source) -> bool:
     return source.head.lstrip().startswith("<") and _FIRST.search(source.head) is not None
 
 
-def _root(source: Source) -> _Element:
-    text = source.text()
-    if "<!DOCTYPE" in text:
-        raise source.error(
-            "the XML declares a document type, which no CVAT file does",
-            hint="export the picks again as CVAT for images 1.1",
-        )
-    nodes = text.count("<") + text.count("=")
-    if len(text) > MAX_LENGTH or nodes > MAX_NODES:
-        raise source.error(f"the XML is too large: {len(text):,} characters, {nodes:,} nodes")
-    parser = etree.XMLParser(
-        encoding="utf-8",
-        resolve_entities=False,
-        no_network=True,
-        huge_tree=False,
-        load_dtd=False,
-        remove_comments=True,
-        remove_pis=True,
-    )
-    try:
-        return cast(_Element, etree.parse(io.BytesIO(text.encode()), parser).getroot())
-    except etree.XMLSyntaxError as error:
-        raise source.error(
-            f"the XML is broken: {clean_label(error.msg or '')}",
-            error.lineno,
-            "export the file again",
-        ) from None
-
-
-def _line(element: _Element) -> int | None:
-    return element.sourceline or None
-
-
-def _size(source: Source, image: _Element) -> Size | None:
+def _size(source: Source, image: Element) -> Size | None:
     width, height = image.get("width", ""), image.get("height", "")
     if not width or not height:
         return None
-    at = _line(image)
+    at = row_of(image)
     return declared_size(
         source,
         source.number(width, at, what="the width"),
@@ -132,8 +86,8 @@ def _size(source: Source, image: _Element) -> Size | None:
     )
 
 
-def _points(source: Source, shape: _Element) -> list[tuple[float, float]]:
-    at = _line(shape)
+def _points(source: Source, shape: Element) -> list[tuple[float, float]]:
+    at = row_of(shape)
     points: list[tuple[float, float]] = []
     for pair in shape.get("points", "").split(";"):
         if not pair.strip():
@@ -141,12 +95,3 @@ def _points(source: Source, shape: _Element) -> list[tuple[float, float]]:
         x, _, y = pair.partition(",")
         points.append((source.number(x, at), source.number(y, at)))
     return points
-
-
-FORMAT = Format(
-    name="cvat",
-    title="CVAT for images 1.1",
-    suffixes=(".xml",),
-    recognises=recognises,
-    read=read,
-)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Hashable
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,13 +15,15 @@ from plumbline.wording import count, listed
 
 MAX_LABEL = 120
 MAX_PICKED_LINES = 200_000
+FEWEST = 3
+"""Points that make a line of one shape; fewer are single picks, gathered by their label."""
 Size = tuple[int, int]
 
 
-def clean_label(text: str) -> str:
+def clean_label(text: str, most: int = MAX_LABEL) -> str:
     """A name from a file as one short printable line."""
-    printable = "".join(c if c.isprintable() else " " for c in text[: 8 * MAX_LABEL])
-    return " ".join(printable.split())[:MAX_LABEL].rstrip()
+    printable = "".join(c if c.isprintable() else " " for c in text[: 8 * most])
+    return " ".join(printable.split())[:most].rstrip()
 
 
 class UniqueLabels:
@@ -42,6 +45,18 @@ class UniqueLabels:
         return wanted
 
 
+@dataclass
+class _Picks:
+    """Single picks of one line."""
+
+    label: str
+    photo: Hashable
+    photo_name: str
+    size: Size | None
+    points: list[list[float]] = field(default_factory=list[list[float]])
+    rows: list[int | None] = field(default_factory=list["int | None"])
+
+
 class LineGatherer:
     """Collects the lines of one file and the photos they lie on.
 
@@ -59,6 +74,7 @@ class LineGatherer:
         self._lines: list[Line] = []
         self._labels = UniqueLabels()
         self._aside: Counter[str] = Counter()
+        self._picks: dict[Hashable, _Picks] = {}
 
     def add(
         self,
@@ -107,6 +123,34 @@ class LineGatherer:
         shifted = made + self._shift_px if self._shift_px else made  # keeps a negative zero
         self._lines.append(Line(shifted, index, name, numbers))
 
+    def pick(
+        self,
+        points: ArrayLike,
+        label: str,
+        *,
+        group: Hashable = None,
+        photo: Hashable = "",
+        photo_name: str = "",
+        size: Size | None = None,
+        row: int | None = None,
+    ) -> None:
+        """Add picks that stand by themselves; those of one group on one photo make a line.
+
+        Args:
+            points: Shape (n, 2) or (2,), as the program counts them.
+            label: The name of the line.
+            group: What tells its line from others; the label if None.
+            photo: What tells its photo from others.
+            photo_name: The photo's file name.
+            size: The photo's size as the file declares it.
+            row: The row of the file where the picks stand.
+        """
+        key = (photo, label if group is None else group)
+        line = self._picks.setdefault(key, _Picks(label, photo, photo_name, size))
+        for point in np.asarray(points, dtype=np.float64).reshape(-1, 2).tolist():
+            line.points.append(point)
+            line.rows.append(row)
+
     def leave_aside(self, kind: str) -> None:
         """Count a shape that is not read, by its kind."""
         self._aside[clean_label(kind)[:30] or "unnamed"] += 1
@@ -120,6 +164,17 @@ class LineGatherer:
         Raises:
             ReadError: there is no line.
         """
+        for line in self._picks.values():
+            rows = [row for row in line.rows if row is not None]
+            self.add(
+                line.points,
+                line.label,
+                photo=line.photo,
+                photo_name=line.photo_name,
+                size=line.size,
+                rows=rows if len(rows) == len(line.points) else None,
+            )
+        self._picks.clear()
         kinds = [f"{n:,} × {kind}" for kind, n in sorted(self._aside.items())]
         if kinds:
             total = count(self._aside.total(), "shape")

@@ -20,15 +20,13 @@ do. Source: inferred from a macro that reads such files, not from WinMorph itsel
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from plumbline.formats.base import Format, ReadOptions, Source
+from plumbline.formats.base import ReadOptions, Source
 from plumbline.formats.points.lines import LineGatherer
 from plumbline.formats.points.table import MAX_LINES
-from plumbline.frame import Array
 from plumbline.observations import Observations
 from plumbline.wording import count
 
@@ -51,8 +49,7 @@ def read(source: Source, options: ReadOptions) -> Observations:
     """Lines of a WinMorph project.
 
     Raises:
-        ReadError: there is no shape, the photo's size is missing, or a single shape is not
-            the grid it is said to be, or looks like one that is not named.
+        ReadError: there is no shape, or the photo's size is missing.
     """
     shapes, notes = _shapes(source)
     shapes = [shape for shape in shapes if shape.points]
@@ -68,11 +65,6 @@ def read(source: Source, options: ReadOptions) -> Observations:
     gatherer = LineGatherer(source, shift_px=-0.5)
     gatherer.notes += notes
     size = np.array(options.size, dtype=np.float64)
-    if options.grid is not None:
-        _add_grid(gatherer, shapes, size, options)
-        return gatherer.observations()
-    if len(shapes) == 1:
-        _refuse_grid(source, shapes[0], size)
     for shape in shapes:
         gatherer.add(np.array(shape.points) * size, shape.title, size=options.size, rows=shape.rows)
     return gatherer.observations()
@@ -146,55 +138,3 @@ def _pair(line: str) -> tuple[float, float] | None:
             x, y = (float(number.replace(",", ".")) for number in found.groups())
             return x, y
     return None
-
-
-def _add_grid(
-    gatherer: LineGatherer, shapes: Sequence[_Shape], size: Array, options: ReadOptions
-) -> None:
-    rows, columns = options.grid or (0, 0)
-    source, shape = gatherer.source, shapes[0]
-    if len(shapes) > 1:
-        raise source.error(
-            f"a grid is one shape, but the file holds {len(shapes)}", hint="leave out --grid"
-        )
-    if rows < 1 or columns < 1 or rows * columns != len(shape.points):
-        raise source.error(
-            f"the shape holds {count(len(shape.points), 'point')}, "
-            f"but a grid of {rows}x{columns} needs {rows * columns}",
-            hint="give the rows and columns of the grid as --grid ROWSxCOLUMNS",
-        )
-    points = (np.array(shape.points) * size).reshape(rows, columns, 2)
-    at = np.array(shape.rows, dtype=np.int64).reshape(rows, columns)
-    if options.order == "zigzag":
-        points[1::2], at[1::2] = points[1::2, ::-1].copy(), at[1::2, ::-1].copy()
-    for row in range(rows):
-        gatherer.add(points[row], f"row {row + 1}", size=options.size, rows=at[row])
-    for column in range(columns):
-        gatherer.add(
-            points[:, column], f"column {column + 1}", size=options.size, rows=at[:, column]
-        )
-
-
-def _refuse_grid(source: Source, shape: _Shape, size: Array) -> None:
-    """Refuse a shape that runs to and fro and is wide: no picture of a straight edge is."""
-    points = np.array(shape.points) * size
-    if len(points) < 6:
-        return
-    path = np.linalg.norm(np.diff(points, axis=0), axis=1).sum()
-    extent = np.linalg.norm(np.ptp(points, axis=0))
-    axes = np.sqrt(np.maximum(np.linalg.eigvalsh(np.cov(points.T)), 0.0))
-    if path > 1.5 * extent and axes[0] > 0.05 * axes[1]:
-        raise source.error(
-            f"the only shape holds {len(points)} points that do not follow one line",
-            shape.rows[0],
-            "if it is a grid, give its rows and columns as --grid ROWSxCOLUMNS",
-        )
-
-
-FORMAT = Format(
-    name="winmorph",
-    title="WinMorph project",
-    suffixes=(".mrf",),
-    recognises=recognises,
-    read=read,
-)

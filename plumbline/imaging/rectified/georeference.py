@@ -15,7 +15,7 @@ import numpy as np
 from plumbline.errors import OptionError
 from plumbline.ground.world_file import SUFFIXES, World
 from plumbline.imaging.rectified.grid import Grid
-from plumbline.photos.files import tiff
+from plumbline.photos.files.ifd import Field
 
 _SHORT, _DOUBLE = 3, 12
 _SCALE, _TIE_POINT, _TRANSFORMATION, _KEYS = 33550, 33922, 34264, 34735
@@ -73,15 +73,15 @@ def geotiff(data: bytes, world: World, epsg: int | None) -> bytes:
     """A TIFF file with the fields of GeoTIFF added."""
     (a, b), (d, e) = world.matrix
     corner = world.places(np.array([-0.5, -0.5]))
-    fields: list[tiff.Field]
+    fields: list[Field]
     if b == 0 and d == 0 and a > 0 and e < 0:
         fields = [
-            tiff.Field(_SCALE, _DOUBLE, struct.pack("<3d", a, -e, 0.0)),
-            tiff.Field(_TIE_POINT, _DOUBLE, struct.pack("<6d", 0.0, 0.0, 0.0, *corner, 0.0)),
+            Field(_SCALE, _DOUBLE, struct.pack("<3d", a, -e, 0.0)),
+            Field(_TIE_POINT, _DOUBLE, struct.pack("<6d", 0.0, 0.0, 0.0, *corner, 0.0)),
         ]
     else:
         rows = (a, b, 0.0, corner[0], d, e, 0.0, corner[1], *(0.0,) * 4, 0.0, 0.0, 0.0, 1.0)
-        fields = [tiff.Field(_TRANSFORMATION, _DOUBLE, struct.pack("<16d", *rows))]
+        fields = [Field(_TRANSFORMATION, _DOUBLE, struct.pack("<16d", *rows))]
     if epsg is not None:
         keys = (
             (_MODEL_TYPE, 0, 1, _IS_PROJECTED),
@@ -89,5 +89,7 @@ def geotiff(data: bytes, world: World, epsg: int | None) -> bytes:
             (_PROJECTED, 0, 1, epsg),
         )
         directory = struct.pack("<16H", 1, 1, 0, len(keys), *(n for key in keys for n in key))
-        fields.append(tiff.Field(_KEYS, _SHORT, directory))
-    return tiff.with_fields(data, fields)
+        fields.append(Field(_KEYS, _SHORT, directory))
+    from plumbline.photos.files.tiff_writing import with_fields
+
+    return with_fields(data, fields)

@@ -2,8 +2,8 @@
 
 LensFun's own library matches names and interpolates over focal length. Its rule for other
 sensors is in `plumbline.lenses.profile`, because its own single-precision evaluation is only
-good to 0.1 px. What is loaded later replaces what came before: the distribution's database, the
-one embedded in lensfunpy, updates, the user's own files.
+good to 0.1 px. Of the distribution's database, the one that comes with lensfunpy, and updates the
+newest is loaded, for lenses change their names; the user's own files go before it.
 """
 
 from __future__ import annotations
@@ -19,10 +19,15 @@ from plumbline.errors import OptionError, ReadError
 from plumbline.files import read_bytes
 from plumbline.formats.base import Source
 from plumbline.formats.lens_files.lensfun_reading import LensfunEntry, LensfunFile, read_lensfun
+from plumbline.photos.cameras import same_camera
 
 _SHARED = (Path("/usr/share/lensfun"), Path("/usr/local/share/lensfun"))
 _UPDATES = Path("/var/lib/lensfun-updates")
 _MOST_FILES = 2000
+"""Chosen; LensFun itself has 60."""
+
+_EMBEDDED = 1_672_531_200
+"""1 January 2023: lensfunpy's database, of LensFun 0.3.4 and that year, bears no date."""
 
 _Stamp = tuple[int, int]
 
@@ -57,7 +62,7 @@ class Database:
 
 @cache
 def common_database() -> Database:
-    """The databases of the system, of lensfunpy and of the user, as one.
+    """The newest of the released databases, and the user's own files, as one.
 
     A file of the user's that is damaged is left aside with a note.
     """
@@ -65,10 +70,10 @@ def common_database() -> Database:
 
     embedded = Path(lensfunpy.__file__).parent / "db_files"
     home = _user_folder()
-    folders = [folder / "version_1" for folder in _SHARED]
-    folders += [embedded, _UPDATES / "version_1", home / "updates" / "version_1", home]
+    released = [folder / "version_1" for folder in (*_SHARED, _UPDATES, home / "updates")]
+    newest = max([*released, embedded], key=lambda folder: _date(folder, folder == embedded))
     files, notes = list[str](), list[str]()
-    for folder in folders:
+    for folder in (newest, home):
         for file in _xml_files(folder):
             if folder != home:
                 files.append(file)
@@ -77,6 +82,16 @@ def common_database() -> Database:
             else:
                 files.append(file)
     return Database(_library(files), tuple(files), "LensFun's database", tuple(notes))
+
+
+def _date(folder: Path, embedded: bool) -> int:
+    """When a database was released, in seconds; 0 where there is none."""
+    if not _xml_files(folder):
+        return 0
+    try:
+        return int((folder / "timestamp.txt").read_text("ascii").strip())
+    except (OSError, ValueError):
+        return _EMBEDDED if embedded else 1
 
 
 def database_of(path: str) -> Database:
@@ -91,7 +106,7 @@ def database_of(path: str) -> Database:
     files = _xml_files(place) if place.is_dir() else [path]
     if not files:
         raise ReadError(
-            "there is no LensFun XML file in this folder", path=path, hint="name another folder"
+            "this folder holds no LensFun XML files", path=path, hint="name another folder"
         )
     return _database_at(path, tuple((file, _stamp(file)) for file in files))
 
@@ -133,7 +148,7 @@ def entries_of(path: str) -> Sequence[LensfunEntry]:
 
 
 def find_camera(database: Database, maker: str, model: str) -> Any | None:
-    """The camera of that name, as EXIF spells it or as people do; None if there is none."""
+    """The camera of that name, as EXIF spells it or as people do; None if it is not there."""
     if not model:
         return None
     found = database.library.find_cameras(maker or None, model)
@@ -143,6 +158,7 @@ def find_camera(database: Database, maker: str, model: str) -> Any | None:
             camera
             for camera in database.library.cameras
             if _words(camera.model) <= said <= _words(f"{camera.maker} {camera.model}")
+            or same_camera(f"{maker} {model}", with_maker(str(camera.maker), str(camera.model)))
         ]
     return found[0] if found else None
 
@@ -258,4 +274,4 @@ def _library(files: Sequence[str]) -> Any:
             hint="correct the file; LensFun fails on elements and attributes it does not know",
         ) from None
     except UnicodeError:
-        raise OptionError("a file name of the LensFun database is no text") from None
+        raise OptionError("a file name of the LensFun database is not text") from None

@@ -7,7 +7,7 @@ from typing import Any
 from plumbline.errors import OptionError, printable
 from plumbline.formats.lens_files.lensfun import Distortion
 from plumbline.formats.lens_files.lensfun_reading import LensfunEntry
-from plumbline.lenses.choosing import Candidate
+from plumbline.lenses.choosing import LensMatch
 from plumbline.lenses.lensfun.database import Database, camera_name, with_maker
 from plumbline.lenses.profile import LensProfile, clamp_focal
 from plumbline.lenses.stored import projection_note
@@ -18,7 +18,7 @@ _MODELS = {"POLY3": "poly3", "POLY5": "poly5", "PTLENS": "ptlens"}
 
 
 def interpolated(
-    database: Database, lens: Any, camera: Any, focal_mm: float | None, candidate: Candidate
+    database: Database, lens: Any, camera: Any, focal_mm: float | None, candidate: LensMatch
 ) -> LensProfile:
     """A lens of the database at a focal length, as LensFun's library interpolates it.
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from plumbline.errors import OptionError, printable
-from plumbline.lenses.choosing import Candidate, choose, like_note, no_camera
+from plumbline.lenses.choosing import LensMatch, choose, no_camera
+from plumbline.lenses.lensfun.camera import camera_notes, lens_is_fixed, sized
 from plumbline.lenses.lensfun.database import (
     Database,
     beyond_library,
@@ -19,15 +19,26 @@ from plumbline.lenses.lensfun.database import (
     similar_cameras,
 )
 from plumbline.lenses.lensfun.entry import interpolated, profile_of_entry
+from plumbline.lenses.names import Numbers, agree, likeness, numbers_of, same_range
 from plumbline.lenses.profile import LensProfile, clamp_focal
 from plumbline.lenses.request import LensRequest
 from plumbline.lenses.zoom.curves import lensfun_values
 from plumbline.photos.exif import PhotoFacts
 
-Found = tuple[LensProfile, tuple[Candidate, ...]]
+Found = tuple[LensProfile, tuple[LensMatch, ...]]
 
-_SAME_RANGE = 0.02
-_CONVERTERS = (", with ", "converter", "adapter")
+_VARIANTS = (", with ", "converter", "adapter", "extender", ", macro")
+"""Words of entries that are a lens with something, or at a close distance."""
+
+_SAME_SENSOR = 1.04
+"""Largest ratio of crop factors at which LensFun 0.3 takes a lens for a camera
+(`lfDatabase::FindLenses`: it keeps lenses down to 0.96 of the camera's)."""
+
+_LIKENESS = 1e6
+"""Chosen so that likeness counts before LensFun's score, which is below a thousand."""
+
+_ALIKE = 0.75
+"""Likeness of one lens under two spellings: chosen, one word of about eight may differ or lack."""
 
 
 def from_file(path: str, photo: PhotoFacts, request: LensRequest) -> Found:
@@ -68,24 +79,85 @@ def find(
     if camera is None and (request.like or not chosen_file):
         raise _unknown_camera(database, photo, request)
     name = request.lens_name or photo.facts.model or None
-    lenses = _matching(database, camera, name, asked=request.lens_name is not None)
-    if not lenses and chosen_file:
-        lenses = list(database.library.lenses)
-    if not lenses and name:
-        raise _unknown_lens(database, camera, name)
-    if not name and photo.lens_range_mm is not None:
-        lenses = [lens for lens in lenses if _spans(lens, photo.lens_range_mm)] or lenses
+    lenses = _fitting(database, camera, name, photo, request, chosen_file=chosen_file)
     # Of entries that differ in their crop factor alone the library puts the fitting one first.
     lenses = list({lens.model.casefold(): lens for lens in reversed(lenses)}.values())[::-1]
     focal_mm = request.focal_mm or photo.facts.focal_mm
-    candidates = tuple(_candidate(lens) for lens in lenses)
-    number, aside = choose(candidates, _spoken(name, lenses), focal_mm, database.name)
+    spoken = _spoken(name, lenses)
+    candidates = tuple(_candidate(lens, spoken) for lens in lenses)
+    number, aside = choose(candidates, spoken, focal_mm, database.name)
     profile = interpolated(database, lenses[number], camera, focal_mm, candidates[number])
-    profile = replace(profile, photo_crop=_photo_crop(camera, photo, request))
-    notes = [aside, *database.notes, *_camera_notes(camera, photo, request)]
-    if not name and camera is not None and not _lens_is_fixed(camera) and not chosen_file:
+    profile = sized(profile, camera, photo, request)
+    notes = [aside, *database.notes, *camera_notes(camera, photo, request)]
+    if not name and camera is not None and not lens_is_fixed(camera) and not chosen_file:
         notes.append("the photo does not name its lens: the only one that fits was taken")
+    if request.lens_name and not same_range(photo.lens_range_mm, _range(lenses[number])):
+        low, high = photo.lens_range_mm or (0.0, 0.0)
+        notes.append(f"EXIF tells of a lens of {low:g} to {high:g} mm: --lens-name counts")
     return profile.with_notes(*notes), candidates
+
+
+def _fitting(
+    database: Database,
+    camera: Any,
+    name: str | None,
+    photo: PhotoFacts,
+    request: LensRequest,
+    *,
+    chosen_file: bool,
+) -> list[Any]:
+    """The lenses for a camera whose numbers do not contradict the name, or EXIF's range.
+
+    Raises:
+        OptionError: there is none.
+    """
+    asked = request.lens_name is not None
+    # Lenses that share a number in maker notes are told as "one or another".
+    names = (name or "").split(" or ") if name and not asked else [name]
+    found: list[Any] = []
+    for each in names:
+        lenses = _matching(database, camera, each, asked=asked)
+        fixed = camera is not None and lens_is_fixed(camera)
+        if each and not fixed:
+            told = numbers_of(each)
+            lenses = [lens for lens in lenses if agree(told, _numbers(lens))]
+        found += [lens for lens in lenses if lens not in found]
+    if name is None or not asked:
+        found = _of_range(found, camera, photo)
+    if not found and chosen_file and name and request.lens_name is None:
+        found = [
+            lens
+            for lens in database.library.lenses
+            if agree(numbers_of(name), _numbers(lens))
+            and same_range(photo.lens_range_mm, _range(lens))
+        ]
+    elif not found and chosen_file and not name:
+        found = list(database.library.lenses)
+    if not found:
+        raise _unknown_lens(database, camera, name, photo)
+    return found
+
+
+def _of_range(lenses: list[Any], camera: Any, photo: PhotoFacts) -> list[Any]:
+    """Those that have the range of focal lengths that EXIF tells of."""
+    if photo.lens_range_mm is None:
+        return lenses
+    spanning = [lens for lens in lenses if same_range(photo.lens_range_mm, _range(lens))]
+    if camera is not None and lens_is_fixed(camera):
+        return spanning or lenses  # databases tell the calibrated range of built-in lenses
+    return spanning
+
+
+def _numbers(lens: Any) -> Numbers:
+    told = numbers_of(lens.model)
+    return told if told.range_mm else Numbers(_range(lens), told.apertures)
+
+
+def _range(lens: Any) -> tuple[float, float] | None:
+    told = numbers_of(lens.model).range_mm
+    if told is None and lens.min_focal and lens.max_focal:
+        return float(lens.min_focal), float(lens.max_focal)
+    return told
 
 
 def _camera(database: Database, photo: PhotoFacts, request: LensRequest) -> Any | None:
@@ -100,23 +172,10 @@ def _matching(database: Database, camera: Any, name: str | None, *, asked: bool)
         lenses = list(database.library.lenses)
         return [lens for lens in lenses if all(w in lens.model.casefold() for w in words)]
     found = list(database.library.find_lenses(camera, None, name))
-    if not found and name and not asked and _lens_is_fixed(camera):
+    if not found and name and not asked and lens_is_fixed(camera):
         # EXIF's name of a built-in lens is not in the database, its camera is.
         found = list(database.library.find_lenses(camera))
     return found
-
-
-def _lens_is_fixed(camera: Any) -> bool:
-    """LensFun's mounts of cameras with a lens of their own begin with a small letter."""
-    return str(camera.mount)[:1].islower()
-
-
-def _spans(lens: Any, range_mm: tuple[float, float]) -> bool:
-    """Whether a lens has the range of focal lengths that EXIF tells of."""
-    own = (lens.min_focal, lens.max_focal)
-    return all(
-        o and abs(o / told - 1) <= _SAME_RANGE for o, told in zip(own, range_mm, strict=True)
-    )
 
 
 def _spoken(name: str | None, lenses: list[Any]) -> str | None:
@@ -127,31 +186,13 @@ def _spoken(name: str | None, lenses: list[Any]) -> str | None:
     return name if any(any(w in lens.model.casefold() for w in words) for lens in lenses) else None
 
 
-def _candidate(lens: Any) -> Candidate:
+def _candidate(lens: Any, name: str | None) -> LensMatch:
     focals = [each.focal for each in lens.calib_distortion]
     span = (float(f"{min(focals):.6g}"), float(f"{max(focals):.6g}")) if focals else None
-    attached = any(word in lens.model.casefold() for word in _CONVERTERS)
-    return Candidate(str(lens.model), span, attached, int(lens.score))
-
-
-def _photo_crop(camera: Any, photo: PhotoFacts, request: LensRequest) -> float | None:
-    if request.like and photo.facts.crop_factor:
-        return photo.facts.crop_factor
-    return None if camera is None else float(camera.crop_factor)
-
-
-def _camera_notes(camera: Any, photo: PhotoFacts, request: LensRequest) -> list[str]:
-    if camera is None:
-        return ["the photo's camera is not known: its sensor is taken as the calibration's"]
-    notes: list[str] = []
-    if request.like:
-        notes.append(like_note(request.camera or photo.facts.camera, camera_name(camera)))
-    if str(camera.mount) == "Micro 4/3 System":
-        notes.append(
-            "cameras of the Micro 4/3 system correct the distortion of their JPEGs themselves: "
-            "correct only photos that were developed from raw without a lens profile"
-        )
-    return notes
+    variant = any(word in lens.model.casefold() for word in _VARIANTS)
+    alike = max((likeness(each, lens.model) for each in (name or "").split(" or ")), default=0.0)
+    score = round(_LIKENESS * alike) + int(lens.score) if name else 0
+    return LensMatch(str(lens.model), span, variant, score)
 
 
 def _unknown_camera(database: Database, photo: PhotoFacts, request: LensRequest) -> OptionError:
@@ -168,12 +209,36 @@ def _unknown_camera(database: Database, photo: PhotoFacts, request: LensRequest)
     )
 
 
-def _unknown_lens(database: Database, camera: Any, name: str) -> OptionError:
-    loose = database.library.find_lenses(camera, None, name, True)
-    similar = [str(_candidate(lens)) for lens in loose[:5]]
+def _unknown_lens(
+    database: Database, camera: Any, name: str | None, photo: PhotoFacts
+) -> OptionError:
+    if name is None:
+        low, high = photo.lens_range_mm or (0.0, 0.0)
+        span = f"{low:g}" if low == high else f"{low:g}–{high:g}"
+        name = f"of {span} mm that EXIF tells of"
+    on = camera_name(camera) if camera is not None else "this camera"
+    smaller = [
+        lens
+        for lens in database.library.lenses
+        if camera is not None
+        and lens.crop_factor > camera.crop_factor * _SAME_SENSOR
+        and lens.calib_distortion
+        and agree(numbers_of(name), _numbers(lens))
+        and likeness(name, lens.model) >= _ALIKE
+    ]
+    told = f"the lens {name!r}" if name[:3] != "of " else f"a lens {name}"
+    if smaller:
+        best = max(smaller, key=lambda lens: likeness(name, lens.model))
+        return OptionError(
+            f"{told} is calibrated in {database.name} for smaller sensors only (crop factor "
+            f"{best.crop_factor:.3g}), not for that of {on}",
+            hint="calibrate the lens with plumbline fit, or name a file with --lens",
+        )
+    loose = database.library.find_lenses(camera, None, name, True) if camera is not None else []
+    similar = [str(_candidate(lens, None)) for lens in loose[:5]]
     alike = f"; similar: {', '.join(similar)}" if similar else ""
     return OptionError(
-        f"the lens {name!r} for {camera_name(camera)} is not in {database.name}{alike}",
+        f"{told} for {on} is not in {database.name}{alike}",
         hint="name one of the database's lenses with --lens-name, or a file with --lens",
     )
 
@@ -183,7 +248,7 @@ def _from_entries(path: str, photo: PhotoFacts, request: LensRequest) -> Found:
     words = (request.lens_name or "").casefold().split()
     entries = [e for e in entries_of(path) if all(word in e.model.casefold() for word in words)]
     candidates = tuple(
-        Candidate(
+        LensMatch(
             e.model,
             (e.distortions[0].focal_mm, e.distortions[-1].focal_mm) if e.distortions else None,
         )
@@ -197,5 +262,5 @@ def _from_entries(path: str, photo: PhotoFacts, request: LensRequest) -> Found:
     used_mm, note = clamp_focal(focal_mm, span, printable(entry.model))
     camera = _camera(common_database(), photo, request)
     profile = profile_of_entry(entry, lensfun_values(entry.distortions, used_mm), path, "")
-    profile = replace(profile, photo_crop=_photo_crop(camera, photo, request))
-    return profile.with_notes(aside, note, *_camera_notes(camera, photo, request)), candidates
+    profile = sized(profile, camera, photo, request)
+    return profile.with_notes(aside, note, *camera_notes(camera, photo, request)), candidates

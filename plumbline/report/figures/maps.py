@@ -99,9 +99,7 @@ def displacement_px(lens: Lens, points_px: Array) -> Array:
         Same shape; NaN beyond the fold of the model.
     """
     centre = lens.frame.normalise(lens.centre_px, 1.0)
-    scale = float(lens.model.factor(np.float64(0.0), lens.vector))
-    if lens.model.direction == "observed to ideal":
-        scale = 1 / scale
+    scale = lens.model.central_scale(lens.vector)
     ideal = lens.frame.normalise(lens.undistort_or_nan(points_px), 1.0)
     return lens.frame.normalise(points_px, 1.0) - centre - scale * ideal
 

@@ -96,8 +96,8 @@ def drawn_lines(made: Calibration) -> tuple[Drawn, ...]:
                 photo=source.photo,
                 kept=kept[which],
                 observed_px=source.points_px,
-                foot_px=_seen(lens, frame, foot[which]),
-                curve_px=_seen(
+                foot_px=seen(lens, frame, foot[which]),
+                curve_px=seen(
                     lens, frame, lines.centre[index] + reach[:, None] * lines.along[index]
                 ),
                 radius_px=radius_px[which],
@@ -108,7 +108,7 @@ def drawn_lines(made: Calibration) -> tuple[Drawn, ...]:
     return tuple(found)
 
 
-def _seen(lens: Lens, frame: Frame, ideal: Array) -> Array:
+def seen(lens: Lens, frame: Frame, ideal: Array) -> Array:
     """Where a photo shows ideal points; nowhere if the lens folds before it reaches one."""
     try:
         observed = lens.distort(lens.frame.to_pixels(ideal, 1.0))

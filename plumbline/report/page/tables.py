@@ -19,6 +19,10 @@ from plumbline.trust.suspect import Suspect
 from plumbline.wording import count, px
 
 _STRONG = 0.9
+"""As `plumbline.result.notes` has it."""
+
+_MOST_PICKS = 3_000
+"""Chosen, because more fill over fifty pages, which nobody reads; the JSON holds all."""
 
 
 def coefficients(made: Calibration) -> Iterator[Element]:
@@ -137,12 +141,18 @@ def _verdict(check: Check) -> Node:
     return tag("span", "✗ bad", class_="bad")
 
 
-def comparison(compared: Comparison) -> Iterator[Element]:
-    """The models side by side, and the one to take."""
+def comparison(compared: Comparison, *, quoted: bool) -> Iterator[Element]:
+    """The models side by side, and the one to take.
+
+    Args:
+        compared: The models.
+        quoted: Whether its error to quote is of the model that was fitted.
+    """
     chosen = compared.candidates[compared.recommended]
     yield tag("p", tag("b", f"Recommended: {chosen.name}."), f" {compared.reason}.")
-    if compared.notes:
-        yield tag("ul", *(tag("li", note) for note in compared.notes))
+    notes = [note for note in compared.notes if quoted or note != compared.quote]
+    if notes:
+        yield tag("ul", *(tag("li", note) for note in notes))
     head = (
         "model",
         "coefficients",
@@ -175,36 +185,63 @@ def _candidate(each: Candidate, index: int, compared: Comparison) -> list[Node]:
     return [model, values, *figures(each, compared)]
 
 
-def quote(made: Calibration) -> Iterator[str]:
-    """The error to quote, in sentences."""
-    sure, other = made.quoted_displacement, made.displacement
-    if sure is None or other is None:
-        yield "The model folds inside the photo, so that the error of the correction is not known."
+def errors(made: Calibration) -> Iterator[str]:
+    """Where the error to quote comes from, in sentences."""
+    sure, wide = made.displacement, made.jackknife_displacement
+    if sure is None:
         return
-    left = made.jackknife
-    dof = left.dof if made.quotes_jackknife and left is not None else made.dof
-    interval = px(quantile(0.975, dof) * sure.worst_px)
-    yield (
-        f"Error to quote: the correction is uncertain by {px(sure.worst_px)} {sure.worst_place}, "
-        f"where it is worst (one standard error; 95 %: ± {interval})."
-    )
-    wide = made.jackknife_displacement
     if made.quotes_jackknife:
         yield (
-            "It comes from leaving out one line at a time, and not from independent picking "
-            f"errors, which would make {px(other.worst_px)}: picks of one line err together, or "
-            "few lines carry the result."
+            "The error to quote comes from leaving out one line at a time, and not from "
+            f"independent picking errors, which give {px(sure.worst_px)}: picks of one line err "
+            "together, or few lines carry the result."
         )
     elif wide is not None:
         yield (
-            f"It holds for independent picking errors; leaving out one line at a time says "
-            f"{px(wide.worst_px)}."
+            "The error to quote holds for independent picking errors; leaving out one line at a "
+            f"time gives {px(wide.worst_px)}."
         )
     else:
-        yield "It holds for independent picking errors; errors common to one line are not in it."
-    more = made.model_error
-    if more is not None:
-        yield (
-            f"Not in it is the model's own error: a richer model (with {more.names}) would move "
-            f"the correction by up to {px(more.largest_px)} (± {px(more.error_px)})."
-        )
+        yield "The error to quote holds for independent picking errors only."
+
+
+def further_notes(made: Calibration) -> list[str]:
+    """The notes that no table of the page holds already."""
+    told = {check.sentence for check in made.checks}
+    return [note for note in made.notes if note not in told]
+
+
+def picks(made: Calibration) -> Iterator[Element]:
+    """Every pick with its residual."""
+    photos = made.observations.photos
+    several = len(photos) > 1
+    n_points = made.observations.n_points
+    yield tag(
+        "p",
+        f"{count(n_points, 'pick')} in pixels of the photo, from the centre of its top-left "
+        "pixel; residuals in pixels, in the order along each line.",
+        class_="muted",
+    )
+    rows: list[list[Node]] = []
+    every = zip(made.observations.lines, made.residuals_px, made.kept, strict=True)
+    for line, residuals_px, kept in every:
+        photo = [photo_name(photos[line.photo])] if several else []
+        for index, (x, y) in enumerate(line.points_px.tolist()):
+            if len(rows) == _MOST_PICKS:
+                yield _pick_table(rows, several=several)
+                left = n_points - _MOST_PICKS
+                yield tag("p", f"{count(left, 'more pick')} in the JSON of the result.")
+                return
+            residual = _finite(float(residuals_px[index]), "+.2f")
+            fate = "" if kept[index] else "left out"
+            rows.append(
+                [line.label, *photo, str(index + 1), f"{x:.2f}", f"{y:.2f}", residual, fate]
+            )
+    yield _pick_table(rows, several=several)
+
+
+def _pick_table(rows: list[list[Node]], *, several: bool) -> Element:
+    head = ["line", *(["photo"] if several else []), "pick", "x", "y", "residual", ""]
+    made = table(head, rows, text=(*range(1 + several), len(head) - 1))
+    made.set("class", "wide long")
+    return made

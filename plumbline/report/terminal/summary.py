@@ -103,6 +103,7 @@ def finding_sentence(made: Calibration) -> str:
         f"{_KINDS[finding.kind]}{'' if finding.kind == 'none' else size}; "
         f"lines are straight to {made.rms_before_px:.2f} px before, "
         f"{made.rms_after_px:.2f} px after{f'; {doubt}' if doubt else ''}"
+        f"{f'; {made.doubt}' if made.doubt else ''}"
     )
 
 

@@ -7,8 +7,7 @@ from hypothesis import given, strategies as st
 
 from plumbline.errors import ReadError
 from plumbline.formats.base import ReadOptions, Source
-from plumbline.formats.known import format_of
-from plumbline.formats.panotools.ptgui import FORMAT
+from plumbline.formats.known import FORMATS, format_of
 from plumbline.observations import Observations
 
 DUMMY = "#-dummyimage\no w1 h1 y0 r0 p0 v52.5 a0.03 b-0.1 c0.06 f0 d1 e2 g0 t0\n"
@@ -29,7 +28,7 @@ def project(*records: str, version: int = 41) -> str:
 
 
 def read(text: str, path: str = "some.pts") -> Observations:
-    return FORMAT.read(Source(path, text.encode()), ReadOptions())
+    return FORMATS["ptgui"].read(Source(path, text.encode()), ReadOptions())
 
 
 def test_the_dummy_holds_the_lens_and_is_no_photo() -> None:
@@ -157,7 +156,9 @@ def test_only_read_errors_come_out(records: list[str], changes: list[tuple[int, 
         text[place % len(text)] = sign
     caught: ReadError | None = None
     try:
-        FORMAT.read(Source("x.pts", "".join(text).encode("utf-8", "replace")), ReadOptions())
+        FORMATS["ptgui"].read(
+            Source("x.pts", "".join(text).encode("utf-8", "replace")), ReadOptions()
+        )
     except ReadError as error:
         caught = error
     assert caught is None or (str(caught).startswith("x.pts") and caught.hint)

@@ -14,8 +14,7 @@ from hypothesis import given, strategies as st
 
 from plumbline.errors import OptionError, ReadError
 from plumbline.formats.base import ReadOptions, Source
-from plumbline.formats.known import format_of
-from plumbline.formats.panotools.pto import FORMAT
+from plumbline.formats.known import FORMATS, format_of
 from plumbline.formats.panotools.pto_writing import new_project, rewritten
 from plumbline.observations import Line, Observations, Photo
 from plumbline.observations.facts import LensFacts
@@ -35,7 +34,7 @@ PROJECT = HEAD + "#-hugin  cropFactor=3.72988\n" + IMAGE + "v a0\nv b0\nv\n" + L
 
 def read(text: str | bytes, path: str = "some.pto") -> Observations:
     content = text.encode("utf-8", "surrogateescape") if isinstance(text, str) else text
-    return FORMAT.read(Source(path, content), ReadOptions())
+    return FORMATS["pto"].read(Source(path, content), ReadOptions())
 
 
 def lines_of(observations: Observations) -> dict[tuple[int, str], list[tuple[float, float]]]:
@@ -331,7 +330,7 @@ def test_a_project_without_new_values_is_the_same_bytes(content: bytes) -> None:
 def test_only_read_errors_come_out_of_the_reader(content: bytes) -> None:
     caught: ReadError | None = None
     try:
-        FORMAT.read(Source("x.pto", content), ReadOptions())
+        FORMATS["pto"].read(Source("x.pto", content), ReadOptions())
     except ReadError as error:
         caught = error
     assert caught is None or (str(caught).startswith("x.pto") and caught.hint)

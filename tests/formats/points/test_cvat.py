@@ -6,7 +6,7 @@ import pytest
 
 from plumbline.errors import ReadError
 from plumbline.formats.base import ReadOptions, Source
-from plumbline.formats.points.cvat import FORMAT
+from plumbline.formats.known import FORMATS
 from plumbline.observations import Observations
 
 SAMPLE = """<?xml version="1.0" encoding="utf-8"?>
@@ -32,7 +32,7 @@ SAMPLE = """<?xml version="1.0" encoding="utf-8"?>
 
 def read(text: str | bytes) -> Observations:
     content = text.encode() if isinstance(text, str) else text
-    return FORMAT.read(Source("annotations.xml", content), ReadOptions())
+    return FORMATS["cvat"].read(Source("annotations.xml", content), ReadOptions())
 
 
 def of_image(inside: str, attributes: str = 'name="a" width="9" height="9"') -> str:
@@ -88,12 +88,12 @@ def test_errors(text: str, message: str) -> None:
     assert message in caught.value.message
 
 
-def test_a_document_type_is_refused_unread() -> None:
+def test_entities_are_refused_unread() -> None:
     bomb = '<!DOCTYPE a [<!ENTITY a "ha"><!ENTITY b "&a;&a;">]><annotations>&b;</annotations>'
-    with pytest.raises(ReadError, match="document type"):
+    with pytest.raises(ReadError, match="declares entities"):
         read(bomb)
     secret = '<!DOCTYPE annotations [<!ENTITY a SYSTEM "file:///etc/hostname">]><annotations/>'
-    with pytest.raises(ReadError, match="document type"):
+    with pytest.raises(ReadError, match="declares entities"):
         read(secret.encode("utf-16"))
 
 
@@ -102,6 +102,6 @@ def test_an_unknown_size_stays_unknown() -> None:
 
 
 def test_recognition() -> None:
-    assert FORMAT.recognises(Source("a.xml", SAMPLE.encode()))
+    assert FORMATS["cvat"].recognises(Source("a.xml", SAMPLE.encode()))
     for content in (b"", b"<lensdatabase/>", b"annotations", b"\xff\xfe\x00", b"line,x,y\n"):
-        assert not FORMAT.recognises(Source("a.xml", content))
+        assert not FORMATS["cvat"].recognises(Source("a.xml", content))

@@ -10,7 +10,7 @@ import pytest
 
 from plumbline.errors import ReadError
 from plumbline.formats.base import ReadOptions, Source
-from plumbline.formats.points.imagej import FORMAT
+from plumbline.formats.known import FORMATS
 from plumbline.formats.points.imagej_roi import MAX_ENTRIES
 from plumbline.observations import Observations
 
@@ -20,7 +20,7 @@ LINE, FREELINE, POLYLINE, POINT, OVAL = 3, 4, 5, 10, 2
 
 def read(content: str | bytes, path: str = "Results.csv") -> Observations:
     raw = content.encode() if isinstance(content, str) else content
-    return FORMAT.read(Source(path, raw), ReadOptions())
+    return FORMATS["imagej"].read(Source(path, raw), ReadOptions())
 
 
 def found(observations: Observations) -> dict[str, list[list[float]]]:
@@ -54,7 +54,7 @@ def test_results_are_grouped_by_what_varies(text: str, labels: list[str]) -> Non
     rows = observations.lines[0].rows
     assert rows is not None
     assert rows.tolist() == [2, 4]
-    assert FORMAT.recognises(Source("Results.csv", text.encode()))
+    assert FORMATS["imagej"].recognises(Source("Results.csv", text.encode()))
 
 
 def test_two_columns_may_group_together() -> None:
@@ -98,7 +98,7 @@ def test_xy_coordinates() -> None:
         (" ,X,Y,Group\n1,1,x,1\n2,3,4,2\n", "'x'"),
         (" ,X,Y,Group\n1,1,NaN,1\n2,3,4,2\n", "no finite number"),
         (" ,Group,X,Y\n1,1,5\n2,2,3,4\n", "no X or Y"),
-        (" ,Area,Mean\n1,2,3\n", "columns X and Y are missing"),
+        (" ,Area,Mean\n1,2,3\n", "has no columns X and Y"),
         (" ,X,Y,Group\n" + "1,1,2,3\n" * 3_000_000, "no Results table"),
     ],
 )
@@ -160,7 +160,7 @@ EDGE: Points = [(10.5, 20.25), (60.0, 21.5), (120.75, 22.0)]
 def test_a_selection_is_a_line(kind: int) -> None:
     content = roi(kind, EDGE, name="roof")
     assert found(read(content, "x.roi")) == {"roof": [[10.5, 20.25], [60.0, 21.5], [120.75, 22.0]]}
-    assert FORMAT.recognises(Source("x.roi", content))
+    assert FORMATS["imagej"].recognises(Source("x.roi", content))
 
 
 def test_a_selection_in_whole_pixels_counts_their_centres() -> None:
@@ -196,7 +196,7 @@ def test_a_set() -> None:
     assert list(found(observations)) == ["roof", "roof (2)", "Group 4"]
     assert found(observations)["Group 4"] == [[1, 2], [5, 6]]
     assert "1 × oval" in observations.notes[0]
-    assert FORMAT.recognises(Source("RoiSet.zip", content))
+    assert FORMATS["imagej"].recognises(Source("RoiSet.zip", content))
 
 
 BOMB = zipped({"a.roi": b"\0" * (65 * 2**20)})
@@ -238,4 +238,4 @@ def test_errors_of_selections(content: bytes, message: str) -> None:
     ],
 )
 def test_other_files_are_not_claimed(content: bytes) -> None:
-    assert not FORMAT.recognises(Source("a.csv", content))
+    assert not FORMATS["imagej"].recognises(Source("a.csv", content))

@@ -8,7 +8,7 @@ import pytest
 
 from plumbline.errors import ReadError
 from plumbline.formats.base import ReadOptions, Source
-from plumbline.formats.points.labelme import FORMAT
+from plumbline.formats.known import FORMATS
 from plumbline.observations import Observations
 
 Json = dict[str, object]
@@ -38,7 +38,7 @@ def document(*shapes: object, **changes: object) -> bytes:
 
 
 def read(content: bytes) -> Observations:
-    return FORMAT.read(Source("wall.json", content), ReadOptions())
+    return FORMATS["labelme"].read(Source("wall.json", content), ReadOptions())
 
 
 def test_shapes_become_lines() -> None:
@@ -54,7 +54,7 @@ def test_shapes_become_lines() -> None:
     ]
     assert observations.lines[0].rows is None
     assert observations.notes == ()
-    assert FORMAT.recognises(Source("wall.json", content))
+    assert FORMATS["labelme"].recognises(Source("wall.json", content))
 
 
 def test_other_shapes_are_left_aside_with_a_note() -> None:
@@ -128,4 +128,4 @@ def test_labels_are_made_printable(label: object) -> None:
     [b"", b"{}", b'{"_via_img_metadata": {"shapes": 1}}', b"line,x,y\n1,2,3\n", b"\xff\x00"],
 )
 def test_other_files_are_not_claimed(content: bytes) -> None:
-    assert not FORMAT.recognises(Source("a.json", content))
+    assert not FORMATS["labelme"].recognises(Source("a.json", content))

@@ -8,7 +8,7 @@ import pytest
 
 from plumbline.errors import ReadError
 from plumbline.formats.base import ReadOptions, Source
-from plumbline.formats.points.via import FORMAT
+from plumbline.formats.known import FORMATS
 from plumbline.observations import Observations
 
 HEADER = (
@@ -42,9 +42,9 @@ def project(*regions: object) -> dict[str, object]:
 
 def read(content: str | bytes | object, path: str = "via_project.json") -> Observations:
     if isinstance(content, bytes):
-        return FORMAT.read(Source(path, content), ReadOptions())
+        return FORMATS["via"].read(Source(path, content), ReadOptions())
     text = content if isinstance(content, str) else json.dumps(content)
-    return FORMAT.read(Source(path, text.encode()), ReadOptions())
+    return FORMATS["via"].read(Source(path, text.encode()), ReadOptions())
 
 
 def found(observations: Observations) -> list[tuple[int, str, list[list[float]]]]:
@@ -63,7 +63,7 @@ def test_a_table(text: str) -> None:
     rows = observations.lines[1].rows
     assert rows is not None
     assert rows.tolist() == [3, 3]
-    assert FORMAT.recognises(Source("via.csv", text.encode()))
+    assert FORMATS["via"].recognises(Source("via.csv", text.encode()))
 
 
 def test_a_project() -> None:
@@ -73,14 +73,14 @@ def test_a_project() -> None:
     assert observations.photos[0].name == "a.jpg"
     assert observations.lines[0].rows is None
     assert observations.notes == (NOTE,)
-    assert FORMAT.recognises(Source("via.json", json.dumps(content).encode()))
+    assert FORMATS["via"].recognises(Source("via.json", json.dumps(content).encode()))
 
 
 def test_images_alone_and_regions_by_number() -> None:
     image = {"filename": "a.jpg", "size": 9821, "regions": {"0": region(), "1": region()}}
     content = {"a.jpg9821": image}
     assert found(read(content)) == LINES[:2]
-    assert FORMAT.recognises(Source("via.json", json.dumps(content).encode()))
+    assert FORMATS["via"].recognises(Source("via.json", json.dumps(content).encode()))
 
 
 def test_the_only_attribute_names_the_line() -> None:
@@ -123,4 +123,4 @@ def test_errors(content: str | object, message: str, line: int | None) -> None:
 
 def test_other_files_are_not_claimed() -> None:
     for content in (b"", b"{}", b'{"shapes": []}', b"filename,x,y\n", b"line,x,y\n", b"\xff\x00"):
-        assert not FORMAT.recognises(Source("a.csv", content))
+        assert not FORMATS["via"].recognises(Source("a.csv", content))

@@ -6,7 +6,7 @@ import pytest
 
 from plumbline.errors import ReadError
 from plumbline.formats.base import ReadOptions, Source
-from plumbline.formats.points.webplotdigitizer import FORMAT
+from plumbline.formats.known import FORMATS
 from plumbline.observations import Observations
 
 SAMPLE = "roof,,left wall,\nX,Y,X,Y\n10.5,20.5,5.25,7.75\n120,21,5.5,80\n231,22.5,,\n"
@@ -17,7 +17,9 @@ EXPECTED = {
 
 
 def read(text: str) -> Observations:
-    return FORMAT.read(Source("wpd_datasets.csv", text.encode()), ReadOptions())
+    return FORMATS["webplotdigitizer"].read(
+        Source("wpd_datasets.csv", text.encode()), ReadOptions()
+    )
 
 
 @pytest.mark.parametrize(
@@ -36,7 +38,7 @@ def test_one_line_a_dataset(text: str) -> None:
     assert {line.label: line.points_px.tolist() for line in observations.lines} == EXPECTED
     rows = [line.rows.tolist() for line in observations.lines if line.rows is not None]
     assert rows == [[3, 4, 5], [3, 4]]
-    assert FORMAT.recognises(Source("wpd_datasets.csv", text.encode()))
+    assert FORMATS["webplotdigitizer"].recognises(Source("wpd_datasets.csv", text.encode()))
 
 
 def test_a_single_dataset_and_a_gap() -> None:
@@ -85,4 +87,4 @@ def test_errors(text: str, message: str, line: int | None) -> None:
     ["", "line,x,y\n1,2,3\n", "x,y\n1,2\n", "1,2\nx,y\n", "a,,b,\nX,Y,Z,Y\n", " ,X,Y\n1,2,3\n"],
 )
 def test_other_files_are_not_claimed(text: str) -> None:
-    assert not FORMAT.recognises(Source("points.csv", text.encode()))
+    assert not FORMATS["webplotdigitizer"].recognises(Source("points.csv", text.encode()))

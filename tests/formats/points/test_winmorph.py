@@ -6,7 +6,7 @@ import pytest
 
 from plumbline.errors import ReadError
 from plumbline.formats.base import Order, ReadOptions, Source
-from plumbline.formats.points.winmorph import FORMAT
+from plumbline.formats.known import FORMATS
 from plumbline.observations import Observations
 
 SIZE = (2000, 1000)
@@ -29,7 +29,9 @@ def read(
     grid: tuple[int, int] | None = None,
     order: Order = "raster",
 ) -> Observations:
-    return FORMAT.read(Source("grid.mrf", text.encode()), ReadOptions(size, grid, order))
+    return FORMATS["winmorph"].read(
+        Source("grid.mrf", text.encode()), ReadOptions(size, grid, order)
+    )
 
 
 def points(observations: Observations) -> dict[str, list[list[float]]]:
@@ -60,7 +62,7 @@ def test_one_shape_is_one_line(text: str) -> None:
     assert rows is not None
     assert rows.tolist() == [5, 6, 7]
     assert observations.photos[0].size == SIZE
-    assert FORMAT.recognises(Source("grid.mrf", text.encode()))
+    assert FORMATS["winmorph"].recognises(Source("grid.mrf", text.encode()))
 
 
 def test_other_rows_are_left_aside_with_a_note() -> None:
@@ -105,9 +107,8 @@ def test_a_grid_back_and_forth() -> None:
     ("text", "size", "grid", "message", "hint"),
     [
         (ONE, None, None, "size is not known", "--size WIDTHxHEIGHT"),
-        (GRID, SIZE, None, "do not follow one line", "--grid"),
-        (GRID, SIZE, (2, 2), "holds 6 points, but a grid of 2x2 needs 4", "--grid"),
-        (GRID, SIZE, (-2, -3), "needs 6", "--grid"),
+        (GRID, SIZE, (2, 2), "holds 6 points, but a grid of 2x2 has 4", "--grid"),
+        (GRID, SIZE, (-2, -3), "has 6", "--grid"),
         (GRID + GRID, SIZE, (2, 3), "the file holds 2", "--grid"),
         ("no shape\n0.1 0.2\n", SIZE, None, "no shape", "polyline"),
         ("Shape1\na\nb\nSets = 0\n0.1 0.2\n", SIZE, None, "no shape", "polyline"),
@@ -142,8 +143,8 @@ def test_a_bent_line_is_no_grid() -> None:
     [("a.mrf", "0.1 0.2"), ("a.txt", "Shape1\n"), ("a.csv", "line,x,y\n1,2,3\n"), ("a", "")],
 )
 def test_other_files_are_not_claimed(path: str, text: str) -> None:
-    assert not FORMAT.recognises(Source(path, text.encode()))
+    assert not FORMATS["winmorph"].recognises(Source(path, text.encode()))
 
 
 def test_it_is_recognised_without_its_suffix() -> None:
-    assert FORMAT.recognises(Source("a.txt", ONE.encode()))
+    assert FORMATS["winmorph"].recognises(Source("a.txt", ONE.encode()))

@@ -108,3 +108,23 @@ def _kind(value: object) -> str:
     if isinstance(value, dict):
         return "an object"
     return "a list" if isinstance(value, list) else "no finite number"
+
+
+def pairs(source: Source, value: object, what: str) -> list[tuple[float, float]]:
+    """A flat list x, y, x, y, … as points.
+
+    Raises:
+        ReadError: it is something else.
+    """
+    numbers = [as_number(source, number, what) for number in as_list(source, value, what)]
+    if len(numbers) % 2:
+        raise source.error(f"{what} hold an x without a y", hint=_AGAIN)
+    return list(zip(numbers[::2], numbers[1::2], strict=True))
+
+
+def listed_names(source: Source, value: object) -> dict[str, str]:
+    """The `name` of each object of a list, by its place there as text."""
+    if value is None:
+        return {}
+    objects = [as_object(source, each, "a label") for each in as_list(source, value, "the labels")]
+    return {str(place): as_text(each.get("name")) for place, each in enumerate(objects)}

@@ -1,0 +1,1 @@
+"""Chequerboards in photographs: their corners, labelled by column and row."""

@@ -1,0 +1,64 @@
+"""A photograph to look at: its pixels turned upright, grey or blue, green, red."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from plumbline.files import read_bytes
+from plumbline.lenses.mapping import TURNS
+from plumbline.photos.exif import PhotoFacts, read_photo
+from plumbline.photos.files.picture import Picture, Pixels, decode
+
+
+@dataclass(frozen=True, eq=False)
+class Upright:
+    """A photograph as a viewer shows it.
+
+    Attributes:
+        pixels: 8 or 16 bits, grey (h, w) or blue, green, red (h, w, 3).
+        facts: What the file says of itself.
+        sha256: Of the file's bytes, in hexadecimal.
+    """
+
+    pixels: Pixels
+    facts: PhotoFacts
+    sha256: str
+
+
+def read_upright(path: str | Path) -> Upright:
+    """Read a photograph and turn it as EXIF says.
+
+    Raises:
+        ReadError: the file is missing, damaged or not a picture.
+    """
+    facts = read_photo(path)
+    data = read_bytes(path)
+    pixels = turned(_plain(decode(data, path)), facts.orientation)
+    return Upright(pixels, facts, hashlib.sha256(data).hexdigest())
+
+
+def turned(pixels: Pixels, orientation: int) -> Pixels:
+    """Pixels as stored, turned upright by EXIF's orientation from 1 to 8."""
+    (x_by_x, x_by_y), (y_by_x, y_by_y) = TURNS[orientation]
+    if not x_by_x:
+        pixels = pixels.swapaxes(0, 1)
+    if x_by_x + x_by_y < 0:
+        pixels = pixels[:, ::-1]
+    if y_by_x + y_by_y < 0:
+        pixels = pixels[::-1]
+    return np.ascontiguousarray(pixels)
+
+
+def _plain(picture: Picture) -> Pixels:
+    """Without alpha; inks as the grey they print."""
+    if picture.inks:
+        return np.asarray(Image.fromarray(picture.pixels, "CMYK").convert("L"))
+    if not picture.alpha:
+        return picture.pixels
+    colours = picture.pixels[..., :-1]
+    return colours[..., 0] if colours.shape[2] == 1 else colours

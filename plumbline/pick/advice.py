@@ -1,0 +1,108 @@
+"""What the background says of a fit: suspects, checks, where it is unsure, what to pick next."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from plumbline.errors import printable
+from plumbline.pick.document import Document
+from plumbline.pick.live import Fitted
+from plumbline.pick.observing import fitted_lines
+from plumbline.result.calibration import Calibration
+from plumbline.trust.displacement import displacement_errors
+from plumbline.trust.next_line import next_line
+from plumbline.wording import px
+
+_COLUMNS, _ROWS = 24, 16
+"""Cells of the map of uncertainty: what it shows is as smooth as a polynomial of r."""
+
+_WORTH = 0.95
+"""Share of today's error to which a line must lower it to be worth a word."""
+
+
+def judgement(fitted: Fitted, document: Document) -> dict[str, Any]:
+    """What the background says of a document, for the page.
+
+    Args:
+        fitted: Its fit with the search for suspicious picks.
+        document: The document.
+    """
+    made = fitted.made
+    if made is None:
+        return {"failure": printable(fitted.failure), "hint": printable(fitted.hint)}
+    goal_px = document.settings.goal_px
+    return {
+        "failure": "",
+        "hint": "",
+        "suspects": _suspects(made, document),
+        "checks": [
+            {"good": check.passed and not check.doubtful, "text": printable(check.sentence)}
+            for check in made.checks
+        ],
+        "map": _map(made),
+        "next": _next(made),
+        "goal": _goal(made, goal_px),
+    }
+
+
+def _suspects(made: Calibration, document: Document) -> list[dict[str, Any]]:
+    numbers = [line.number for line in fitted_lines(document)]
+    return [
+        {
+            "line": numbers[suspect.line],
+            "points": made.observations.lines[suspect.line]
+            .points_px[list(suspect.picks)]
+            .round(3)
+            .tolist(),
+            "whole": suspect.kind in ("bent line", "no line"),
+            "text": printable(suspect.sentence),
+        }
+        for suspect in made.suspects
+    ]
+
+
+def _map(made: Calibration) -> dict[str, Any] | None:
+    """The error to quote over the first photo, row by row; None where the model folds."""
+    frame = made.lens.frame
+    x, y = np.linspace(0, frame.width - 1, _COLUMNS), np.linspace(0, frame.height - 1, _ROWS)
+    points = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+    covariance = made.covariance
+    if made.quotes_jackknife and made.jackknife is not None:
+        covariance = made.jackknife.covariance
+    errors = displacement_errors(made.lens, made.free, covariance, points)
+    if errors is None:
+        return None
+    return {
+        "columns": _COLUMNS,
+        "rows": _ROWS,
+        "size": list(frame.size),
+        "values": np.round(errors, 4).tolist(),
+    }
+
+
+def _next(made: Calibration) -> dict[str, Any] | None:
+    """The line that would help most, as a ghost; None where none would help by much."""
+    sure, best = made.quoted_displacement, next_line(made.trust)
+    if sure is None or best is None or best.to_px > _WORTH * best.from_px:
+        return None
+    to_px = sure.worst_px * best.to_px / best.from_px
+    return {
+        "photo": 0,
+        "points": best.points_px.round(1).tolist(),
+        "text": f"one more line {best.place} would lower the error from {px(sure.worst_px)} to "
+        f"about {px(to_px)}",
+        "label": f"{px(sure.worst_px)} → {px(to_px)}",
+    }
+
+
+def _goal(made: Calibration, goal_px: float) -> dict[str, Any] | None:
+    """How near the error is to the goal: 1 when it is reached."""
+    sure = made.quoted_displacement
+    if sure is None:
+        return None
+    share = min(1.0, goal_px / sure.worst_px) if sure.worst_px > 0 else 1.0
+    reached = sure.worst_px <= goal_px
+    text = f"{px(sure.worst_px)} now, {px(goal_px)} wanted" + (": reached" if reached else "")
+    return {"share": round(share, 3), "reached": reached, "text": text}

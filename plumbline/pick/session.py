@@ -1,0 +1,250 @@
+"""One run of `plumbline pick`: the document, its photos, and everything the page may do to them."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from typing import Any
+
+from plumbline.errors import OptionError, PlumblineError, printable
+from plumbline.geometry.lens import Lens
+from plumbline.models import MODELS
+from plumbline.pick import requests
+from plumbline.pick.document import Document
+from plumbline.pick.editing import Edited, Editor, Tracer
+from plumbline.pick.events import Hub
+from plumbline.pick.judging import Judge
+from plumbline.pick.live import Fitted, fit_now, guide, warm_up
+from plumbline.pick.mending import mended
+from plumbline.pick.photos import LoadedPhoto
+from plumbline.pick.saving import Keeper
+from plumbline.pick.telling import told
+
+_WATCH_S = 2.0
+"""Seconds between looks at the photos on disk, and between tries to save what is not saved."""
+
+
+class Session:
+    """What one server holds.
+
+    Args:
+        document: What was picked before.
+        photos: The photos, in the order of the document's.
+        keeper: Saves the document.
+        tracer: Traces edges; None where picks are free only.
+        notes: What to tell the user at the beginning.
+    """
+
+    def __init__(
+        self,
+        document: Document,
+        photos: Sequence[LoadedPhoto],
+        keeper: Keeper,
+        tracer: Tracer | None,
+        notes: Sequence[str] = (),
+    ) -> None:
+        self.hub = Hub()
+        self.photos = tuple(photos)
+        self.keeper = keeper
+        self.document = document
+        self.fitted = Fitted(None, "no line is picked yet")
+        self._notes = tuple(notes)
+        self._editor = Editor(tracer)
+        self._revision = 0
+        self._holder = ""
+        self._pages: set[str] = set()
+        self._unsaved = ""
+        self._changed_photos = ""
+        self._judgement: dict[str, Any] = {}
+        self._lock = threading.RLock()
+        self._saver = ThreadPoolExecutor(1, "save")
+        self._guide: Future[Lens | None] | None = None
+        self._guesser = ThreadPoolExecutor(1, "guide")
+        self._judge = Judge(self._judged)
+        self._stopped = threading.Event()
+        self.hub.on_open, self.hub.on_close = self._opened, self._closed
+
+    def begin(self) -> None:
+        """Load photos, make programs ready and fit, all in the background."""
+        for photo in self.photos:
+            threading.Thread(target=self._load, args=(photo,), daemon=True).start()
+        threading.Thread(target=self._ready, daemon=True).start()
+        threading.Thread(target=self._watch, daemon=True).start()
+
+    def end(self) -> None:
+        """Save what is not saved, and stop."""
+        self._stopped.set()
+        self._judge.stop()
+        with self._lock:
+            if self._unsaved:
+                self._save(self.document)
+        self._saver.shutdown(wait=True)
+        self._guesser.shutdown(wait=False)
+        self.keeper.close()
+
+    @property
+    def lens(self) -> Lens | None:
+        """The lens as far as it is known."""
+        return None if self.fitted.made is None else self.fitted.made.lens
+
+    def act(self, page: str, request: requests.Request) -> dict[str, Any]:
+        """Do what the page asks for, save it, and fit.
+
+        Raises:
+            OptionError: another page picks, or the request names what is not there.
+        """
+        with self._lock:
+            self._refuse_reader(page)
+            edited = self._edited(request)
+            saving: Future[None] | None = None
+            if edited.document is not self.document:
+                saving = self._take(edited.document)
+                if not isinstance(request, requests.Undo | requests.Redo):
+                    self._guesser.submit(self._mend, self._revision)
+            if saving is not None:
+                saving.result()
+            return self.state() | {
+                "selected": edited.line,
+                "refusal": printable(edited.refusal),
+            }
+
+    def state(self) -> dict[str, Any]:
+        """The document and its fit, for the page."""
+        with self._lock:
+            document = self.document
+            return {
+                "revision": self._revision,
+                "lines": document.lines,
+                "settings": document.settings,
+                "undo": document.done[-1].name if document.done else "",
+                "redo": document.undone[-1].name if document.undone else "",
+                "fit": told(self.fitted, document),
+                "unsaved": printable(self._unsaved),
+                "proposals": self._editor.proposed(document),
+            }
+
+    def opening(self) -> dict[str, Any]:
+        """All that a page needs when it opens."""
+        with self._lock:
+            return self.state() | {
+                "photos": [
+                    {
+                        "name": printable(photo.path.name),
+                        "width": photo.size[0],
+                        "height": photo.size[1],
+                        "levels": photo.n_levels,
+                    }
+                    for photo in self.photos
+                ],
+                "file": printable(self.keeper.path.name),
+                "snapping": self._editor.tracer is not None,
+                "models": [
+                    {"name": model.name, "coefficients": model.coefficients}
+                    for model in MODELS.values()
+                    if model.unit != "focal length"
+                ],
+                "judgement": self._judgement,
+                "notes": [printable(note) for note in self._notes],
+                "holder": self._holder,
+            }
+
+    def take(self, page: str) -> None:
+        """Let this page pick, and no other."""
+        with self._lock:
+            self._holder = page
+        self.hub.publish("holder", page)
+
+    def _edited(self, request: requests.Request) -> Edited:
+        lens = None if self._guide is None else self._guide.result()
+        return self._editor.edited(self.document, request, lens)
+
+    def _take(self, document: Document) -> Future[None]:
+        """Make a document the one that is shown, fitted and saved."""
+        self.document = document
+        self._revision += 1
+        saving = self._saver.submit(self._save, document)
+        self._fit()
+        return saving
+
+    def _fit(self) -> None:
+        self.fitted = fit_now(self.document)
+        self._guide = self._guesser.submit(guide, self.document, self.fitted)
+        self._judge.ask(self._revision, self.document)
+
+    def _mend(self, revision: int) -> None:
+        """Trace an odd line again, unless something else was done meanwhile."""
+        with self._lock:
+            document, fitted = self.document, self.fitted
+        change = mended(document, fitted, self._editor.tracer)
+        with self._lock:
+            if change is None or revision != self._revision:
+                return
+            self._take(document.amended(change)).result()
+            state = self.state()
+        self.hub.publish("state", state)
+
+    def _refuse_reader(self, page: str) -> None:
+        if not self._holder:
+            self.take(page)
+        if self._holder != page:
+            raise OptionError(
+                "these picks are open on another page", hint="take over here, or go on there"
+            )
+
+    def _opened(self, page: str) -> None:
+        with self._lock:
+            self._pages.add(page)
+            free = self._holder not in self._pages
+        if free:
+            self.take(page)
+
+    def _closed(self, page: str) -> None:
+        with self._lock:
+            self._pages.discard(page)
+            left = next(iter(self._pages), "") if self._holder == page else None
+        if left:
+            self.take(left)
+
+    def _save(self, document: Document) -> None:
+        try:
+            self.keeper.write(document)
+            self._unsaved = ""
+        except PlumblineError as error:
+            self._unsaved = f"not saved: {error.message}" + (
+                f"; {error.hint}" if error.hint else ""
+            )
+
+    def _load(self, photo: LoadedPhoto) -> None:
+        photo.load()
+        if photo.failure is not None:
+            self.hub.publish("failure", printable(photo.failure.message))
+
+    def _ready(self) -> None:
+        with self._lock:
+            self._fit()
+            state = self.state()
+        self.hub.publish("state", state)
+        warm_up(self.document.settings, self.photos[0].size)
+        self.hub.publish("ready", True)
+
+    def _judged(self, revision: int, judgement: dict[str, Any]) -> None:
+        found = judgement | {"revision": revision}
+        with self._lock:
+            if revision != self._revision:
+                return
+            self._judgement = found
+        self.hub.publish("judgement", found)
+
+    def _watch(self) -> None:
+        """Look after the disk: photos that change, picks that could not be saved."""
+        while not self._stopped.wait(_WATCH_S):
+            changed = "; ".join(filter(None, (photo.changed_on_disk for photo in self.photos)))
+            if changed != self._changed_photos:
+                self._changed_photos = changed
+                self.hub.publish("photos", printable(changed))
+            if self._unsaved:
+                with self._lock:
+                    self._saver.submit(self._save, self.document).result()
+                    unsaved = self._unsaved
+                self.hub.publish("unsaved", printable(unsaved))
