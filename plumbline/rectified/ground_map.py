@@ -26,7 +26,7 @@ from plumbline.imaging.maps.sampling_map import (
 from plumbline.rectified.grid import Grid, farthest_depth
 
 _TILE, _SMALLEST = 256, 32
-_STEP = 8
+_STEP = 16
 _NEAR_PX = 64.0
 """How far outside of the photo a place still counts when an interpolation is judged; chosen."""
 
