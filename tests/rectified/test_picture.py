@@ -19,7 +19,7 @@ from plumbline.ground.world_file import World, read_world
 from plumbline.lenses.mapping import TURNS, PhotoLens
 from plumbline.models import get_model
 from plumbline.photos.files.metadata import Metadata
-from plumbline.photos.files.tiff import with_metadata
+from plumbline.photos.files.tiff_writing import with_metadata
 from plumbline.rectified import grid as grids
 from plumbline.rectified.georeference import epsg_code, geotiff
 from plumbline.rectified.grid import Grid, grid_over
