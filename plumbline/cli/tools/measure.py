@@ -98,7 +98,7 @@ def _file(
 ) -> bytes:
     suffix = target.suffix.lower()
     if suffix == ".dxf":
-        from plumbline.writing.dxf import dxf_bytes
+        from plumbline.rectified.dxf import dxf_bytes
 
         return dxf_bytes(stored.rectification, points, made)
     if suffix == ".json":

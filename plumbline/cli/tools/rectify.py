@@ -23,22 +23,22 @@ from plumbline.ground.rectification import Rectification
 from plumbline.ground.rectify import rectified
 from plumbline.ground.request import GroundRequest
 from plumbline.ground.stored import StoredRectification, rectification_json
-from plumbline.imaging.rectified.compare import grid_like, mosaic, overlay_bytes
-from plumbline.imaging.rectified.georeference import epsg_code, world_file_name
-from plumbline.imaging.rectified.grid import Extent
-from plumbline.imaging.rectified.picture import (
+from plumbline.imaging.targets import beside, check_target
+from plumbline.lenses.request import LensRequest
+from plumbline.photos.exif import read_photo
+from plumbline.photos.files.encode import format_of
+from plumbline.rectified.compare import grid_like, mosaic, overlay_bytes
+from plumbline.rectified.dxf import dxf_bytes
+from plumbline.rectified.georeference import epsg_code, world_file_name
+from plumbline.rectified.grid import Extent
+from plumbline.rectified.picture import (
     PictureRequest,
     RectifiedPicture,
     Shown,
     picture_files,
     rectify_picture,
 )
-from plumbline.imaging.targets import beside, check_target
-from plumbline.lenses.request import LensRequest
-from plumbline.photos.exif import read_photo
-from plumbline.photos.files.encode import format_of
 from plumbline.writing.beside import command_line
-from plumbline.writing.dxf import dxf_bytes
 
 SUFFIX = "_rectified"
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from plumbline.ground.ellipses import ellipse
-from plumbline.writing.dxf import dxf_bytes
+from plumbline.rectified.dxf import dxf_bytes
 from tests.ground.files import NAMES, SCENE, rectified
 
 ezdxf = pytest.importorskip("ezdxf")

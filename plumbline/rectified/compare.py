@@ -17,11 +17,11 @@ from plumbline.errors import OptionError
 from plumbline.files import read_bytes
 from plumbline.frame import Array
 from plumbline.ground.world_file import read_world
-from plumbline.imaging.rectified.grid import Grid
-from plumbline.imaging.rectified.picture import RectifiedPicture
 from plumbline.photos.files.encode import encode
 from plumbline.photos.files.metadata import Metadata, note_of
 from plumbline.photos.files.picture import Picture, Pixels, Storage, decode
+from plumbline.rectified.grid import Grid
+from plumbline.rectified.picture import RectifiedPicture
 
 _FEATHER_PX = 64.0
 """Pixels from its edge at which a picture of a mosaic weighs fully; chosen."""

@@ -11,11 +11,11 @@ import numpy as np
 from plumbline.frame import Frame
 from plumbline.ground.optics import Optics
 from plumbline.ground.world_file import World
-from plumbline.imaging.rectified.grid import Grid
-from plumbline.imaging.rectified.ground_map import GroundMap
-from plumbline.imaging.rectified.render import Renderer
 from plumbline.lenses.mapping import PhotoLens
 from plumbline.models import get_model
+from plumbline.rectified.grid import Grid
+from plumbline.rectified.ground_map import GroundMap
+from plumbline.rectified.render import Renderer
 from tests.ground.scenes import Scene
 from tests.ground.test_camera import camera_of
 from tests.imaging.painted import centroids, dots

@@ -10,12 +10,12 @@ from PIL import Image
 
 from plumbline.errors import OptionError, ReadError
 from plumbline.ground.world_file import World
-from plumbline.imaging.rectified.compare import grid_like, mosaic, overlay
-from plumbline.imaging.rectified.grid import Grid
-from plumbline.imaging.rectified.picture import RectifiedPicture
-from plumbline.imaging.rectified.render import Rendered
 from plumbline.photos.files.metadata import Metadata
 from plumbline.photos.files.picture import Picture, Storage
+from plumbline.rectified.compare import grid_like, mosaic, overlay
+from plumbline.rectified.grid import Grid
+from plumbline.rectified.picture import RectifiedPicture
+from plumbline.rectified.render import Rendered
 
 GRID = Grid(World.north_up(0.0, 2.0, 0.01), (300, 200))
 
