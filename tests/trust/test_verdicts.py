@@ -52,7 +52,7 @@ def test_the_condition_is_that_of_the_scaled_jacobian() -> None:
 
 
 def test_an_uncertain_correction_names_the_line_to_pick_next() -> None:
-    made = calibrate(noisy([line[[0, 4, 8]] for line in INNER], 1, 2.0))
+    made = calibrate(noisy([line[[0, 4, 8]] for line in INNER], 1, 8.0))
     check = checked(made)["correction"]
     assert not check.passed
     assert "one more line" in check.remedy
