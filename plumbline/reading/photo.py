@@ -88,7 +88,7 @@ def agreed_size(
             raise source.error(
                 f"contradictory sizes: {who} says {size[0]}x{size[1]}, {other} "
                 f"{differing[0]}x{differing[1]}",
-                hint="picks must be made in the photo at the size that is given",
+                hint="pick the points in the photo at the size that is given",
             )
     return size
 

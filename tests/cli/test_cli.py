@@ -241,7 +241,7 @@ def test_the_input_is_never_overwritten(run: Run) -> None:
     [
         ("none/x.pto", "none/x.pto: the folder does not exist"),
         ("building.pto/x.pto", "building.pto/x.pto: the file cannot be written: Not a directory"),
-        ("folder.pto", "folder.pto: this is no regular file"),
+        ("folder.pto", "folder.pto: this is not a regular file"),
         ("x" * 300 + ".pto", "the file cannot be written: File name too long"),
     ],
 )
@@ -506,8 +506,8 @@ def test_a_missing_file(run: Run) -> None:
             (),
             "bad.pto, row 4: the point (3, -1)",
         ),
-        (image(a="nan") + points(grid()), (), "bad.pto, row 1: 'nan' is no finite number"),
-        (image(v="inf") + points(grid()), (), "bad.pto, row 1: 'inf' is no finite number"),
+        (image(a="nan") + points(grid()), (), "bad.pto, row 1: 'nan' is not a finite number"),
+        (image(v="inf") + points(grid()), (), "bad.pto, row 1: 'inf' is not a finite number"),
         (image(b="x") + points(grid()), (), "bad.pto, row 1: 'x' stands where the value of b"),
         (
             image() + "c n0 N0 x1 y1 X2 Yz t3\n",
