@@ -66,7 +66,7 @@ def command(
     if points is None and size is not None:
         raise click.UsageError("--size belongs to --points; leave it out")
     options.refuse_unknown(model, {"--free": free, "--hold": hold})
-    delivery = {name: how.pop(name) for name in options.DELIVERY}
+    delivery = options.delivery(how)
     with options.wrong_call():
         refuse_unclear(delivery["output"], delivery["report"], delivery["plots"])
     fit: dict[str, Any] = {"model": model, "free": free, "hold": hold or ()}

@@ -21,7 +21,7 @@ from plumbline.files import (
     write_atomically,
 )
 from plumbline.formats.known import suffixes
-from plumbline.imaging.upright import read_upright
+from plumbline.imaging.upright import photo_of, read_upright
 from plumbline.observations import Observations, Origin, Photo
 from plumbline.observations.board import Board, lines_of
 from plumbline.observations.facts import LensFacts
@@ -98,7 +98,7 @@ def _seen(path: str, inner: tuple[int, int] | None, width_px: int) -> Seen:
     notes = note_on_orientation(photo.facts, (width, height))
     facts = with_exif(LensFacts(), [photo.facts], notes)
     observations = Observations(
-        (Photo((width, height), photo.facts.name),),
+        (photo_of(photo),),
         tuple(lines_of(search.boards)),
         (facts,),
         tuple(notes),

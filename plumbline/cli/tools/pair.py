@@ -10,7 +10,7 @@ from plumbline.errors import OptionError, PlumblineError
 from plumbline.files import is_same, read_bytes
 from plumbline.formats.base import Source
 from plumbline.formats.points.matches import read_matches
-from plumbline.imaging.upright import read_upright
+from plumbline.imaging.upright import photo_of, read_upright
 from plumbline.observations import Origin
 from plumbline.observations.facts import LensFacts
 from plumbline.pairs.calibrate import calibrate_pair
@@ -54,7 +54,9 @@ def from_pictures(
         Origin(original, "photo", checksum=first.sha256),
         Origin(corrected, "photo", checksum=second.sha256),
     )
-    return _with(made, notes, origins)
+    whole = _with(made, notes, origins)
+    observations = replace(whole.observations, photos=(photo_of(first),))
+    return replace(whole, observations=observations)
 
 
 def from_points(

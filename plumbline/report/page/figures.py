@@ -39,7 +39,7 @@ _SHOWS_OF_A_PAIR = {
     "radius": "Residuals, outwards, over the distance from the distortion centre. A trend says "
     "that the model cannot follow the correction",
 }
-_OF_LINES = ("lines", "along")
+_OF_LINES = ("lines", "along", "corrected")
 _PAIR = ("displacement", "uncertainty")
 
 
