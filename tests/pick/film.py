@@ -58,6 +58,7 @@ def film(folder: Path) -> list[Path]:
 def _pick(camera: Camera) -> None:
     """The second click of the first line; then, half of the lines."""
     driven, wanted = camera.driven, edges(0.3)
+    driven.press("p")
     first, second = wanted[1]
     driven.click(first)
     driven.page.mouse.move(*driven.place(second), steps=3)
