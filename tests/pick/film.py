@@ -90,7 +90,7 @@ def _judge(camera: Camera) -> None:
     driven.page.wait_for_selector("#suspects li", timeout=60_000)
     driven.press("Escape")
     camera.shoot()
-    driven.press("Control+z", "f")
+    driven.press("Control+z", "Control+z")
 
 
 def _finish(camera: Camera) -> None:
