@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import _thread
+import codecs
 import contextlib
 import io
 import os
@@ -14,6 +15,7 @@ import click
 
 from plumbline._version import __version__
 from plumbline.errors import PlumblineError, printable
+from plumbline.wording import spelt
 
 VERBS = {
     "pick": "Pick lines on a page in the browser, with the fit running while you click.",
@@ -21,6 +23,7 @@ VERBS = {
     "snap": "Move picks onto the photograph's edges, to a small part of a pixel.",
     "find": "Find a photograph's long straight edges without picks.",
     "board": "Calibrate from photographs of a chequerboard.",
+    "pair": "Calibrate from a photograph and the same one corrected.",
     "check": "Say whether the picks determine the distortion, and what to pick next.",
     "compare": "Compare the distortion models on the same picks, and recommend one.",
     "report": "Show a calibration as a page with figures, tables and checksums.",
@@ -77,10 +80,11 @@ def command() -> None:
 
 def main() -> None:
     """Run the command line; an error becomes one red sentence, its remedy and an exit status."""
+    codecs.register_error("spelt", spelt)
     for stream in (sys.stdout, sys.stderr):
         # A file name that is not text, or a terminal without Greek letters, must not stop us.
         if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="replace")
+            stream.reconfigure(errors="spelt")
     sys.unraisablehook = _interrupted_again
     sys.exit(_status())
 

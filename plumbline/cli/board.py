@@ -80,7 +80,7 @@ def command(
     if points_only:
         options.refuse_useless(click.get_current_context(), "--points-only", _FOR_THE_FIT)
     options.refuse_unknown(model, {"--free": free, "--hold": hold})
-    delivery = {name: how.pop(name) for name in options.DELIVERY}
+    delivery = options.delivery(how)
     with options.wrong_call():
         refuse_unclear(delivery["output"], delivery["report"], delivery["plots"])
         targets = tool.Targets.of(points, overlay, photos[0])

@@ -42,6 +42,7 @@ def command(
     from rich.console import Console
 
     from plumbline.cli.tools.check import check_lenses
+    from plumbline.cli.tools.narration import tell_notes
     from plumbline.reading.gathering import parts_of
     from plumbline.report.terminal.checks import print_checks, print_suspects
     from plumbline.report.terminal.summary import WideConsole, print_title
@@ -49,6 +50,7 @@ def command(
 
     options.refuse_unknown(model, {"--free": free, "--hold": hold})
     parts = parts_of(points, reading)
+    tell_notes(parts)
     found = check_lenses(parts, Console(stderr=True), model=model, free=free, hold=hold or ())
     if as_json:
         import json

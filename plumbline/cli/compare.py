@@ -34,10 +34,12 @@ def command(points: tuple[str, ...], robust: bool, as_json: bool, **options: Any
     from rich.console import Console
 
     from plumbline.cli.tools.fit import compare_lenses
+    from plumbline.cli.tools.narration import tell_notes
     from plumbline.reading.gathering import parts_of
     from plumbline.result.comparison import as_dict
 
     parts = parts_of(points, options)
+    tell_notes(parts)
     comparisons = compare_lenses(parts, Console(stderr=True), robust=robust)
     if as_json:
         import json

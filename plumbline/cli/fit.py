@@ -77,7 +77,7 @@ def command(
     from plumbline.reading.gathering import labels_of, parts_of, photo_alone, split_by_lens
 
     options.refuse_unknown(model, {"--free": free, "--hold": hold, "--start": start})
-    delivery = {name: how.pop(name) for name in options.DELIVERY}
+    delivery = options.delivery(how)
     with options.wrong_call():
         refuse_unclear(delivery["output"], delivery["report"], delivery["plots"])
     wishes = Wishes(model, free, hold or (), start, residual, robust, bootstrap)

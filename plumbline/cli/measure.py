@@ -12,7 +12,7 @@ _HELP = """Measure places, distances, angles and areas in a rectified photograph
 
 PICKS holds points of the same photo, as x,y,name in pixels; the points of the rectification have
 names too. Every value comes with its standard error and its 95 % interval, every place with its
-95 % ellipse: they hold the errors of picks, points, lens and camera, and the unevenness of the plane.
+95 % ellipse: they hold the errors of picks, points, lens and camera, and the plane's unevenness.
 Without a quantity, all places and the distances from each pick to the next are measured.
 
 \b
@@ -40,7 +40,7 @@ Examples:
 @click.option(
     "--area", type=types.Names(), multiple=True, metavar="A,B,C,…", help="Of a polygon, m²."
 )
-@click.option("-o", "--output", metavar="FILE", help="Also write the values, as .csv or .json.")
+@click.option("-o", "--output", metavar="FILE", help="Also write them: .csv, .json or .dxf.")
 @click.option("--json", "as_json", is_flag=True, help="Print the values as JSON.")
 @options.overwriting
 def command(picks: str | None, saved: str, as_json: bool, **how: Any) -> None:

@@ -230,10 +230,26 @@ plotting = click.option(
     multiple=True,
     metavar="FILE",
     help="Draw one figure; the last part of FILE's stem names it, as in curve.svg or "
-    "building.curve.png: photo, lines, curve, displacement, uncertainty, radius, along. May be "
-    "given several times.",
+    "building.curve.png: photo, lines, curve, displacement, uncertainty, corrected, radius, "
+    "along. May be given several times.",
 )
 """Options of verbs that draw the figures of a calibration."""
+
+assignment = stacked(
+    click.option(
+        "--case",
+        type=types.Text(),
+        metavar="TEXT",
+        help="Name or number of the case, for the report.",
+    ),
+    click.option(
+        "--examiner",
+        type=types.Text(),
+        metavar="TEXT",
+        help="Who calibrated, for the report.",
+    ),
+)
+"""What a report is for."""
 
 results = stacked(
     click.option(
@@ -248,6 +264,7 @@ results = stacked(
         metavar="FILE",
         help="Write a report: one HTML page with figures, tables and checksums.",
     ),
+    assignment,
 )
 """Options of verbs that fit a lens, for its files."""
 
@@ -258,5 +275,14 @@ printing = stacked(
 )
 """Options of verbs that fit a lens, for what they print."""
 
-DELIVERY = ("output", "report", "plots", "overwrite", "as_json", "verbose", "quiet")
-"""Parameters of `results`, `plotting`, `overwriting` and `printing`."""
+_DELIVERY = (
+    *("output", "report", "plots", "case", "examiner", "overwrite", "as_json", "verbose", "quiet"),
+)
+
+
+def delivery(how: dict[str, Any]) -> dict[str, Any]:
+    """The values of `results`, `plotting`, `overwriting` and `printing`, taken out of all."""
+    if how["report"] is None:
+        context = click.get_current_context()
+        refuse_useless(context, f"{context.info_name} without --report", ["case", "examiner"])
+    return {name: how.pop(name) for name in _DELIVERY}

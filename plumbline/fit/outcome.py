@@ -17,14 +17,20 @@ from plumbline.fit.refusals import (
     refuse_undetermined,
     refuse_unobservable,
 )
-from plumbline.fit.uncertainty import corner_errors, sandwich, unit_covariances
+from plumbline.fit.uncertainty import corner_errors
 from plumbline.frame import Array
 from plumbline.geometry.lens import Lens
 from plumbline.geometry.lines import by_line
 from plumbline.models import CENTRE
 from plumbline.result.calibration import Calibration
+from plumbline.trust.covariance import sandwich, unit_covariances
 
 _SETTLED_PX = 1e-4
+"""Change of all residuals together by the last step: chosen, since nobody sees it."""
+
+_SETTLED_SHARE = 1e-3
+"""The same as a share of σ̂: a step of one standard error changes the residuals by σ̂, so that what
+is left is a thousandth of the error of any coefficient."""
 
 
 def finish(problem: Problem, solution: Solution) -> Calibration:
@@ -86,7 +92,7 @@ def _made(
     sigma_px: float,
     residuals_px: tuple[Array, ...],
 ) -> Calibration:
-    converged = is_settled(solution, lens)
+    converged = is_settled(solution, problem.dof)
     n_kept = int(np.count_nonzero(problem.kept))
     made = Calibration(
         observations=problem.observations,
@@ -111,9 +117,11 @@ def _made(
     return made if n_kept == len(problem.kept) else _with_left_out(made)
 
 
-def is_settled(solution: Solution, lens: Lens) -> bool:
+def is_settled(solution: Solution, dof: int) -> bool:
     """Whether the fit ended in a minimum."""
-    return bool(float(solution.last_step) * lens.unit_px < _SETTLED_PX)
+    sigma_px = float(np.sqrt(np.sum(np.square(solution.residual)) / dof))
+    limit_px = max(_SETTLED_PX, _SETTLED_SHARE * sigma_px)
+    return bool(float(solution.last_step_px) < limit_px)
 
 
 def lens_of(problem: Problem, solution: Solution) -> Lens:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from plumbline.errors import About, CollapsedFitError, DegenerateLinesError, PlumblineError
 from plumbline.fit.outcome import finish, finish_many
 from plumbline.fit.problem import Problem, Start, prepare
@@ -16,6 +18,8 @@ from plumbline.models import get_model
 from plumbline.observations import Observations
 from plumbline.result.calibration import Calibration
 from plumbline.trust.assessment import ResidualKind
+from plumbline.trust.suspect import Suspect
+from plumbline.wording import count
 
 
 def fit_one(
@@ -52,7 +56,9 @@ def finished(
     made: list[Calibration] = []
     for problem, solution, other, name in zip(problems, solutions, found, names, strict=True):
         with About(name):
-            one = finish(problem, solution) if other is None else _suspecting(other)
+            one = (
+                finish(problem, solution) if other is None else _believed(other, problem, solution)
+            )
         made.append(replace(one, robust=True))
     return made
 
@@ -69,10 +75,43 @@ def _suspecting(found: Robust | DegenerateLinesError) -> Calibration:
     return replace(made, suspects=suspects_of(made, found))
 
 
+def _believed(
+    found: Robust | DegenerateLinesError, problem: Problem, solution: Solution
+) -> Calibration:
+    """The robust fit, or the plain one where a richer model explains what the robust leaves out."""
+    made = _suspecting(found)
+    try:
+        plain = finish(problem, solution)
+    except DegenerateLinesError:
+        return made
+    note = _explained(plain, made.suspects)
+    return replace(plain, remarks=(*plain.remarks, note)) if note else made
+
+
+def _explained(plain: Calibration, suspects: Sequence[Suspect]) -> str:
+    """What to say where accused picks are right under a richer model; else empty."""
+    ends = np.cumsum(plain.observations.sizes)
+    accused = np.zeros(plain.observations.n_points, dtype=np.bool_)
+    for suspect in suspects:
+        if suspect.left_out:
+            first = int(ends[suspect.line] - plain.observations.sizes[suspect.line])
+            accused[[first + pick for pick in suspect.picks]] = True
+    if not accused.any() or not plain.trust.besides.explains(accused):
+        return ""
+    return (
+        f"{count(int(np.count_nonzero(accused)), 'pick')} would look wrong under this model and "
+        "right under a richer one: the model is too simple, not the picks wrong; see plumbline "
+        "compare"
+    )
+
+
 def _accused(plain: Calibration, found: Robust | DegenerateLinesError) -> Calibration:
     """The plain fit with the picks that the robust one suspects."""
     try:
-        return replace(plain, suspects=_suspecting(found).suspects)
+        suspects = _suspecting(found).suspects
+        if note := _explained(plain, suspects):
+            return replace(plain, remarks=(*plain.remarks, note))
+        return replace(plain, suspects=suspects)
     except DegenerateLinesError as error:
         note = f"which picks are wrong cannot be told: without the suspicious ones {error.message}"
         return replace(plain, remarks=(*plain.remarks, note))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -17,16 +18,20 @@ class Source:
 
     Attributes:
         path: The file as named by the user, for messages.
-        content: Its bytes.
+        content: Its bytes, or those of the member that is read.
+        member: Which member of an archive this is; empty where the file is none.
+        photos: Pictures that stand with it in the archive, by their names without folders.
     """
 
     path: str
     content: bytes = field(repr=False)
+    member: str = ""
+    photos: Mapping[str, bytes] = field(default_factory=dict[str, bytes], repr=False)
 
     @property
     def suffix(self) -> str:
         """The suffix in lower case, with its dot."""
-        name = self.path.replace("\\", "/").rpartition("/")[2]
+        name = (self.member or self.path).replace("\\", "/").rpartition("/")[2]
         return ("." + name.rpartition(".")[2].lower()) if "." in name else ""
 
     @property
@@ -35,7 +40,7 @@ class Source:
         return self.content[:4096].decode("utf-8-sig", errors="replace")
 
     def refuse_binary(self) -> None:
-        """Refuse what is no text in any encoding that `text` knows.
+        """Refuse what is not text in any encoding that `text` knows.
 
         Raises:
             ReadError: the file is empty or binary.
@@ -48,7 +53,10 @@ class Source:
         except UnicodeDecodeError:
             binary = True
         if binary:
-            raise self.error("the file is binary, not text", hint="name its format with --format")
+            raise self.error(
+                "the file is binary, not text",
+                hint="export the points as text, such as a table line,x,y",
+            )
 
     def text(self) -> str:
         """The whole file as text: UTF-8 with or without a mark, UTF-16 with one, or Latin-1.
@@ -70,13 +78,14 @@ class Source:
 
     def error(self, message: str, line: int | None = None, hint: str = "") -> ReadError:
         """A `ReadError` about this file, and perhaps one of its lines counted from 1."""
-        return ReadError(message, path=self.path, line=line, hint=hint)
+        path = f"{self.path}: {self.member}" if self.member else self.path
+        return ReadError(message, path=path, line=line, hint=hint)
 
     def number(self, text: str, line: int | None = None, *, what: str = "a coordinate") -> float:
         """A finite number from text; the decimal sign is a dot.
 
         Raises:
-            ReadError: the text is no number, or NaN or infinite.
+            ReadError: the text is not a number, or is NaN or infinite.
         """
         try:
             # float() also takes "1_000" and other digits than 0-9, which no program writes.
@@ -86,7 +95,7 @@ class Source:
                 f"{shown(text)} stands where {what} belongs", line, "correct or remove this row"
             ) from None
         if not math.isfinite(value):
-            raise self.error(f"{shown(text)} is no finite number", line, "correct or remove it")
+            raise self.error(f"{shown(text)} is not a finite number", line, "correct or remove it")
         return value
 
 

@@ -27,7 +27,7 @@ def parsed(source: Source, text: str, line: int | None = None) -> object:
         line: The line of the file where it stands, if it is only a part of it.
 
     Raises:
-        ReadError: the text is no JSON, or nests too deep, or is too large.
+        ReadError: the text is not JSON, or nests too deep, or is too large.
     """
     if '"imageData"' in text:
         text = _IMAGE_DATA.sub('"imageData": null', text)
@@ -107,4 +107,24 @@ def _kind(value: object) -> str:
         return shown(value)
     if isinstance(value, dict):
         return "an object"
-    return "a list" if isinstance(value, list) else "no finite number"
+    return "a list" if isinstance(value, list) else "not a finite number"
+
+
+def pairs(source: Source, value: object, what: str) -> list[tuple[float, float]]:
+    """A flat list x, y, x, y, … as points.
+
+    Raises:
+        ReadError: it is something else.
+    """
+    numbers = [as_number(source, number, what) for number in as_list(source, value, what)]
+    if len(numbers) % 2:
+        raise source.error(f"{what} hold an x without a y", hint=_AGAIN)
+    return list(zip(numbers[::2], numbers[1::2], strict=True))
+
+
+def listed_names(source: Source, value: object) -> dict[str, str]:
+    """The `name` of each object of a list, by its place there as text."""
+    if value is None:
+        return {}
+    objects = [as_object(source, each, "a label") for each in as_list(source, value, "the labels")]
+    return {str(place): as_text(each.get("name")) for place, each in enumerate(objects)}

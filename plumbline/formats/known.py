@@ -46,6 +46,7 @@ class Format:
             first.
         module: Its module below `plumbline.formats`; empty where only lenses are written.
         reads: Whether picked points are read from it.
+        packed: Whether its files may be archives, which the module opens itself.
         writes: What is written to it.
     """
 
@@ -54,6 +55,7 @@ class Format:
     suffixes: tuple[str, ...]
     module: str = ""
     reads: bool = True
+    packed: bool = False
     writes: tuple[Kind, ...] = ()
 
     def recognises(self, source: Source) -> bool:
@@ -103,7 +105,7 @@ FORMATS: dict[str, Format] = {
             "points.own_json",
             writes=("points", "results"),
         ),
-        Format("ptgui", "PTGui or PTAssembler project", (".pts",), "panotools.ptgui"),
+        Format("ptgui", "PTGui (text, JSON) or PTAssembler project", (".pts",), "panotools.ptgui"),
         Format(
             "pto",
             "Hugin project, or script for the Panorama Tools optimiser",
@@ -112,19 +114,32 @@ FORMATS: dict[str, Format] = {
             writes=("points", "results", "lens"),
         ),
         Format("cvat", "CVAT for images 1.1", (".xml",), "points.cvat"),
+        Format("cell-counter", "Fiji's Cell Counter", (".xml",), "points.cell_counter"),
+        Format("svg", "SVG drawing over the photo, as of Inkscape", (".svg",), "points.svg"),
         Format("labelme", "labelme annotations", (".json",), "points.labelme"),
-        Format("via", "VGG Image Annotator", (".csv", ".json"), "points.via"),
+        Format("via", "VGG Image Annotator 1 or 2", (".csv", ".json"), "points.via"),
+        Format("via3", "VGG Image Annotator 3", (".csv", ".json"), "points.via3"),
+        Format("datumaro", "Datumaro annotations", (".json",), "points.datumaro"),
+        Format("coco", "COCO keypoints", (".json",), "points.coco"),
+        Format("geojson", "GeoJSON of QuPath or QGIS", (".geojson", ".json"), "points.geojson"),
         Format(
             "imagej",
             "ImageJ or Fiji results, XY coordinates or selections",
             (".csv", ".txt", ".xls", ".tsv", ".roi", ".zip"),
             "points.imagej",
+            packed=True,
         ),
+        Format("wpd-project", "WebPlotDigitizer project", (".json", ".tar"), "points.wpd_project"),
         Format(
             "webplotdigitizer",
             "WebPlotDigitizer, all datasets",
             (".csv", ".txt"),
             "points.webplotdigitizer",
+        ),
+        Format("napari", "napari shapes", (".csv",), "points.napari"),
+        Format("makesense", "makesense.ai points", (".csv",), "points.makesense"),
+        Format(
+            "xlsx", "Excel workbook with a table line,x,y", (".xlsx",), "points.xlsx", packed=True
         ),
         Format("winmorph", "WinMorph project", (".mrf",), "points.winmorph"),
         Format(
@@ -158,6 +173,11 @@ def suffixes(kind: Kind) -> dict[str, Format]:
     return {row.suffixes[0]: row for row in written(kind).values()}
 
 
+def recognised(source: Source) -> Format | None:
+    """The format that a file of points looks like, if any does."""
+    return next((each for each in FORMATS.values() if each.recognises(source)), None)
+
+
 def format_of(source: Source, name: str | None = None) -> Format:
     """The format of a file of points, recognised by suffix and content or given by name.
 
@@ -171,9 +191,8 @@ def format_of(source: Source, name: str | None = None) -> Format:
                 f"there is no format {name!r}", hint=f"choose one of {', '.join(POINT_FORMATS)}"
             )
         return FORMATS[name]
-    for each in FORMATS.values():
-        if each.recognises(source):
-            return each
+    if (found := recognised(source)) is not None:
+        return found
     source.text()  # empty and binary files have sentences of their own
     raise source.error(
         "the format of this file is not recognised",

@@ -134,11 +134,11 @@ class Findings:
         notes: What the user should know.
     """
 
-    lens: str
-    redundancy: int
-    cost: float
-    contradictory: bool
-    points: tuple[PointFit, ...]
+    lens: str = ""
+    redundancy: int = 0
+    cost: float = 0.0
+    contradictory: bool = False
+    points: tuple[PointFit, ...] = ()
     tapes: tuple[TapeFit, ...] = ()
     implied: ImpliedCamera | None = None
     refined: tuple[tuple[str, float, float], ...] = ()

@@ -12,14 +12,14 @@ from plumbline.errors import OptionError
 from plumbline.files import read_bytes
 from plumbline.formats.base import Source
 from plumbline.frame import Array, Frame
-from plumbline.ground.findings import InputFile, Setting
-from plumbline.ground.network import (
+from plumbline.ground.adjusting.network import (
     SIGMA_CENTRE,
     SIGMA_SQUARE_RAD,
     Focal,
     Network,
     RightAngle,
 )
+from plumbline.ground.findings import InputFile, Setting
 from plumbline.ground.optics import Optics
 from plumbline.ground.reading.lines import Lines, parallel_column, sorted_lines
 from plumbline.ground.reading.matches import Matches, read_matches

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from plumbline.frame import Array
-from plumbline.ground.adjustment import Adjustment
+from plumbline.ground.adjusting.adjustment import Adjustment
 from plumbline.ground.camera import N_STEPS
 from plumbline.ground.rectification import Rectification
 
@@ -67,7 +67,7 @@ def _placing(found: Adjustment) -> Array:
     matrix[:N_STEPS, :N_STEPS] = np.eye(N_STEPS)
     for at, index in enumerate(layout.refined):
         matrix[N_STEPS + index, layout.lens.start + at] = 1.0
-    for at, column in enumerate(layout.places.ravel()):
+    for at, column in enumerate(layout.places.ravel().tolist()):
         matrix[N_STEPS + count + at, column] = 1.0
     return matrix
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -31,7 +31,7 @@ class Rectification:
         sigma_pick_px: Standard error of a pick.
         flatness_m: Standard deviation of the plane's unevenness.
         widening: Factor by which contradictions widened all standard errors, 1 without.
-        findings: What there is to say of the adjustment; None in the middle of one.
+        findings: What there is to say of the adjustment.
     """
 
     camera: Camera
@@ -43,7 +43,7 @@ class Rectification:
     sigma_pick_px: float
     flatness_m: float
     widening: float = 1.0
-    findings: Findings | None = None
+    findings: Findings = field(default_factory=Findings)
 
     def to_ground(self, points_px: ArrayLike) -> Array:
         """Places on the plane of observed points.
@@ -176,7 +176,7 @@ def _gain(seen: Seen) -> Array:
 def _inverse_and_lift(seen: Seen) -> tuple[Array, Array]:
     """Derivative of places by picks, (n, 2, 2), and by a point's height off the plane, (n, 2)."""
     plane = seen.by_place[:, :, :2]
-    lost = ~np.isfinite(plane).all(axis=(1, 2))
+    lost = np.isnan(plane.sum(axis=(1, 2)))
     inverse = np.linalg.inv(np.where(lost[:, None, None], np.eye(2), plane))
     inverse[lost] = np.nan
     return inverse, -np.einsum("nij,nj->ni", inverse, seen.by_place[:, :, 2])

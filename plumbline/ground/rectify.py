@@ -9,19 +9,19 @@ from typing import Any
 import numpy as np
 
 from plumbline.errors import OptionError
-from plumbline.ground.adjustment import Adjustment, adjust
-from plumbline.ground.advice import advise
-from plumbline.ground.degeneracy import refuse_too_few, refuse_undetermined
+from plumbline.ground.adjusting.adjustment import Adjustment, adjust
 from plumbline.ground.ellipses import ellipse
 from plumbline.ground.findings import Findings, PointFit, TapeFit
 from plumbline.ground.gathering import Gathered, gather
-from plumbline.ground.implied import implied_camera
-from plumbline.ground.order import refuse_beyond_fold, refuse_disorder, refuse_one_line
+from plumbline.ground.judging.advice import advise
+from plumbline.ground.judging.degeneracy import refuse_too_few, refuse_undetermined
+from plumbline.ground.judging.implied import implied_camera
+from plumbline.ground.judging.order import refuse_beyond_fold, refuse_disorder, refuse_one_line
+from plumbline.ground.judging.refining import refuse_unrefined
+from plumbline.ground.judging.suspects import find_suspects
 from plumbline.ground.outcome import rectification_of
 from plumbline.ground.rectification import Rectification
-from plumbline.ground.refining import refuse_unrefined
 from plumbline.ground.request import GroundRequest
-from plumbline.ground.suspects import find_suspects
 from plumbline.lenses.lookup import LensSource
 from plumbline.photos.exif import read_photo
 

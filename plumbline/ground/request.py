@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from plumbline.errors import OptionError
-from plumbline.ground.network import (
+from plumbline.ground.adjusting.network import (
     FLATNESS_M,
     SIGMA_FOCAL,
     SIGMA_GROUND_M,

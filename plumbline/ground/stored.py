@@ -101,7 +101,6 @@ def rectification_json(stored: StoredRectification) -> bytes:
     """The JSON of a rectification with its findings."""
     found = stored.rectification
     camera, lens = found.camera, found.camera.optics.lens
-    assert found.findings is not None
     whole = _Whole(
         RECTIFICATION,
         FORMAT_VERSION,

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import islice
 from pathlib import Path
 from typing import Any, Literal
 
 from plumbline.errors import PlumblineError
-from plumbline.imaging.correct import Corrected, LensSource, correct_file
+from plumbline.imaging.correct import Corrected, LensSource, correct_file, looks_for_name
 from plumbline.imaging.settings import Settings
-from plumbline.imaging.targets import Task, plan
+from plumbline.imaging.targets import PhotoTarget, photo_targets
+from plumbline.photos.exif import read_photo
+from plumbline.photos.exiftool import installed, lacks_name, lens_names
 
 _IN_FLIGHT = 128
+"""Photographs handed to an executor at a time: chosen, more than any pool has workers."""
+
 _DIED = "the process that corrected it died, perhaps for want of memory"
 
 
@@ -46,9 +50,11 @@ class Work:
     Attributes:
         lens: The lens, as `correct` takes it.
         settings: How to correct.
-        overwrite: Replace files that plumbline did not make.
+        overwrite: Replace files that plumbline did not write.
         skip_existing: Leave out photographs whose output exists.
         threads: Number of threads in each worker; one a core by default.
+        lens_names: Names of lenses by exiftool, for photos that do not tell them; each worker
+            asks for its own if None.
     """
 
     lens: LensSource = None
@@ -56,6 +62,7 @@ class Work:
     overwrite: bool = False
     skip_existing: bool = False
     threads: int | None = None
+    lens_names: Mapping[Path, str] | None = None
 
 
 def correct_many(
@@ -79,7 +86,7 @@ def correct_many(
             processes or that of a Dask client. One after the other in this process by default.
         suffix: What results bear after their names; `_corrected` by default beside their
             originals, and nothing in an output folder.
-        overwrite: Replace files that plumbline did not make.
+        overwrite: Replace files that plumbline did not write.
         skip_existing: Leave out photographs whose output exists.
         **settings: The fields of `Settings`.
 
@@ -90,13 +97,30 @@ def correct_many(
         PlumblineError: the photographs or settings themselves make no sense.
     """
     how = Settings(**settings)
-    tasks = plan(list(photos), output, suffix, difference=how.difference)
+    tasks = photo_targets(list(photos), output, suffix, difference=how.difference)
     work = Work(lens, how, overwrite, skip_existing, threads=1 if executor else None)
+    work = with_lens_names(tasks, work)
     outcomes = {each.output: each for each in run(tasks, work, executor)}
     return [outcomes[task.target] for task in tasks]
 
 
-def run(tasks: Sequence[Task], work: Work, executor: Executor | None) -> Iterator[Outcome]:
+def with_lens_names(tasks: Sequence[PhotoTarget], work: Work) -> Work:
+    """The work with the lenses that photos do not name, asked of exiftool in one process."""
+    if not looks_for_name(work.lens) or not installed():
+        return work
+    unnamed: list[Path] = []
+    for task in tasks:
+        if work.skip_existing and task.target.exists():
+            continue
+        try:
+            if lacks_name(read_photo(task.photo)):
+                unnamed.append(task.photo)
+        except PlumblineError:
+            continue  # told of when its turn comes
+    return replace(work, lens_names=lens_names(unnamed))
+
+
+def run(tasks: Sequence[PhotoTarget], work: Work, executor: Executor | None) -> Iterator[Outcome]:
     """Outcomes of all tasks, each as soon as it is known.
 
     A worker that dies takes its pool with it: what was under way then is told of as failed.
@@ -105,7 +129,7 @@ def run(tasks: Sequence[Task], work: Work, executor: Executor | None) -> Iterato
         yield from (do(task, work) for task in tasks)
         return
     waiting = iter(tasks)
-    under_way: dict[Future[Outcome], Task] = {}
+    under_way: dict[Future[Outcome], PhotoTarget] = {}
     try:
         while True:
             for task in islice(waiting, _IN_FLIGHT - len(under_way)):
@@ -124,7 +148,7 @@ def run(tasks: Sequence[Task], work: Work, executor: Executor | None) -> Iterato
 
 
 def run_in_processes(
-    tasks: Sequence[Task], work: Work, make_pool: Callable[[int], Executor], jobs: int
+    tasks: Sequence[PhotoTarget], work: Work, make_pool: Callable[[int], Executor], jobs: int
 ) -> Iterator[Outcome]:
     """As `run` in pools of processes; where one dies, the rest goes on in another.
 
@@ -150,7 +174,7 @@ def run_in_processes(
             del left[task.target]
 
 
-def do(task: Task, work: Work) -> Outcome:
+def do(task: PhotoTarget, work: Work) -> Outcome:
     """Correct one photograph of a batch; whatever goes wrong becomes its outcome."""
     try:
         if work.skip_existing and task.target.exists():
@@ -163,15 +187,16 @@ def do(task: Task, work: Work) -> Outcome:
             work.settings,
             overwrite=work.overwrite,
             threads=work.threads,
+            lens_name=None if work.lens_names is None else work.lens_names.get(task.photo, ""),
         )
     except PlumblineError as error:
         return _failed(task, error.message, error.hint)
-    except Exception as error:  # a bug in one photograph is none in the others
+    except Exception as error:  # a bug in one photograph must not stop the others
         return _failed(task, f"{type(error).__name__}: {error}")
     return Outcome(task.photo, task.target, "corrected", done)
 
 
-def _result(future: Future[Outcome], task: Task) -> Outcome:
+def _result(future: Future[Outcome], task: PhotoTarget) -> Outcome:
     try:
         return future.result()
     except BrokenExecutor:
@@ -180,5 +205,5 @@ def _result(future: Future[Outcome], task: Task) -> Outcome:
         return _failed(task, f"{type(error).__name__}: {error}")
 
 
-def _failed(task: Task, error: str, hint: str = "") -> Outcome:
+def _failed(task: PhotoTarget, error: str, hint: str = "") -> Outcome:
     return Outcome(task.photo, task.target, "failed", error=error, hint=hint)

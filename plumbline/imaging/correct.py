@@ -6,22 +6,23 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-import cv2
 import numpy as np
 
 from plumbline.errors import OptionError
 from plumbline.files import read_bytes, write_atomically
 from plumbline.geometry.lens import Lens
+from plumbline.imaging.borders import outside_of, with_alpha
 from plumbline.imaging.difference import difference_png
 from plumbline.imaging.maps.sampling import fold_notes, sampling_of
 from plumbline.imaging.maps.sampling_map import SamplingMap
-from plumbline.imaging.resample import Border, resample
+from plumbline.imaging.resample import resample
 from plumbline.imaging.settings import Settings
 from plumbline.imaging.targets import SUFFIX, beside, check_target, difference_of
 from plumbline.lenses.correction import Correction
 from plumbline.lenses.request import LensRequest
 from plumbline.observations.facts import LensFacts
 from plumbline.photos.exif import PhotoFacts, read_photo
+from plumbline.photos.exiftool import EXIFTOOL, lacks_name, with_lens_name
 from plumbline.photos.files.encode import encode, format_of
 from plumbline.photos.files.metadata import note_of
 from plumbline.photos.files.picture import Pixels, decode
@@ -66,7 +67,7 @@ def correct(
         lens: A calibration, a lens, a file that holds one, or what is known of it; by default
             it is looked up by the photo's EXIF.
         output: Where to; beside the photo, with `_corrected` after its name, by default.
-        overwrite: Replace a file that plumbline did not make.
+        overwrite: Replace a file that plumbline did not write.
         **settings: The fields of `Settings`: interpolation, scale, border, quality, inverse,
             difference.
 
@@ -101,7 +102,7 @@ def correct_array(pixels: Pixels, lens: Lens | Calibration | Correction, **setti
         The corrected pixels; with border "transparent" they have an alpha channel.
 
     Raises:
-        OptionError: the array is no picture, or a setting is unknown.
+        OptionError: the array does not hold a picture, or a setting is unknown.
     """
     if (
         pixels.ndim < 2
@@ -110,12 +111,12 @@ def correct_array(pixels: Pixels, lens: Lens | Calibration | Correction, **setti
         or not pixels.size
     ):
         raise OptionError(
-            f"an array of shape {pixels.shape} and type {pixels.dtype} is no picture",
+            f"an array of shape {pixels.shape} and type {pixels.dtype} does not hold a picture",
             hint="give rows, columns and at most 4 channels as uint8 or uint16",
         )
     if pixels.ndim == 3 and pixels.shape[2] == 1:
-        made = correct_array(pixels[..., 0], lens, **settings)
-        return made if made.ndim == 3 else made[..., None]
+        grey = correct_array(pixels[..., 0], lens, **settings)
+        return grey if grey.ndim == 3 else grey[..., None]
     facts = PhotoFacts((pixels.shape[1], pixels.shape[0]), LensFacts())
     how = Settings(**settings)
     return _corrected(pixels, _sampling(correction_for(facts, lens), how), how)
@@ -129,7 +130,7 @@ def correction_for(photo: PhotoFacts, lens: LensSource) -> Correction:
     """
     if isinstance(lens, Correction):
         if lens.size != photo.size:
-            raise OptionError("the correction was made for a photo of another size")
+            raise OptionError("the correction is for a photo of another size")
         return lens
     from plumbline.lenses import lookup, profile
 
@@ -145,6 +146,7 @@ def correct_file(
     *,
     overwrite: bool = False,
     threads: int | None = None,
+    lens_name: str | None = None,
 ) -> Corrected:
     """Correct one photograph; see `correct`.
 
@@ -153,15 +155,16 @@ def correct_file(
         target: The file to write.
         lens: The lens.
         settings: How to correct.
-        overwrite: Replace a file that plumbline did not make.
+        overwrite: Replace a file that plumbline did not write.
         threads: Number of threads; one a core by default.
+        lens_name: Name of the lens by exiftool, empty if it knows none; asked if None.
     """
     compared = difference_of(target) if settings.difference else None
     for each in (target, compared):
         if each is not None:
             check_target(each, photo, overwrite=overwrite)
     _check_border(settings, target)
-    facts = read_photo(photo)
+    facts = _named(read_photo(photo), photo, lens, lens_name)
     found = correction_for(facts.taken_as_corrected() if settings.inverse else facts, lens)
     sampling = _sampling(found, settings, facts.orientation)
     picture = decode(read_bytes(photo), photo)
@@ -174,6 +177,22 @@ def correct_file(
     write_atomically(contents)
     notes = (*found.notes, *fold_notes(sampling), *picture.notes, *lost)
     return Corrected(photo, target, found.description, notes, compared)
+
+
+def _named(facts: PhotoFacts, photo: Path, lens: LensSource, lens_name: str | None) -> PhotoFacts:
+    """The facts of a photo with the name of its lens, if a database is to be asked for it."""
+    if not looks_for_name(lens) or not lacks_name(facts):
+        return facts
+    if lens_name is None:
+        return with_lens_name(facts, photo)
+    return facts.naming(lens_name, EXIFTOOL) if lens_name else facts
+
+
+def looks_for_name(lens: LensSource) -> bool:
+    """Whether the name of a photo's lens matters to find it."""
+    if isinstance(lens, str | Path):
+        lens = LensRequest(source=str(lens))
+    return lens is None or (isinstance(lens, LensRequest) and lens.looks_for_name)
 
 
 def _check_border(settings: Settings, target: Path) -> None:
@@ -199,40 +218,15 @@ def _corrected(
     threads: int | None = None,
 ) -> Pixels:
     if sampling.size != pixels.shape[1::-1]:
-        raise OptionError("the correction was made for a photo of another size")
+        raise OptionError("the correction is for a photo of another size")
     if settings.border == "transparent":
         if inks:
             raise OptionError(
                 "a CMYK picture cannot be transparent", hint="choose another --border"
             )
-        pixels = _with_alpha(pixels)
+        pixels = with_alpha(pixels)
     channels = 1 if pixels.ndim == 2 else pixels.shape[2]
     alpha = channels in (2, 4) and not inks
     full = float(np.iinfo(pixels.dtype).max)
-    outside = _outside(settings.border, channels, full, alpha=alpha, inks=inks)
+    outside = outside_of(settings.border, channels, full, alpha=alpha, inks=inks)
     return resample(pixels, sampling, settings.interpolation, outside, alpha=alpha, threads=threads)
-
-
-def _outside(
-    border: Border, channels: int, full: float, *, alpha: bool, inks: bool
-) -> tuple[float, ...] | None:
-    """The value of each channel where the photo shows nothing; None to repeat its edge."""
-    if border == "edge":
-        return None
-    if border == "transparent":
-        return (0.0,) * channels
-    if inks:
-        return 0.0, 0.0, 0.0, full if border == "black" else 0.0
-    colour = full if border == "white" else 0.0
-    return (colour,) * (channels - 1) + (full if alpha else colour,)
-
-
-def _with_alpha(pixels: Pixels) -> Pixels:
-    """The pixels with an opaque alpha channel; 16-bit grey becomes colour, for its files."""
-    if pixels.ndim == 3 and pixels.shape[2] in (2, 4):
-        return pixels
-    if pixels.ndim == 3:
-        return cv2.cvtColor(pixels, cv2.COLOR_BGR2BGRA)
-    if pixels.dtype == np.uint16:
-        return cv2.cvtColor(pixels, cv2.COLOR_GRAY2BGRA)
-    return np.stack((pixels, np.full_like(pixels, np.iinfo(pixels.dtype).max)), axis=-1)

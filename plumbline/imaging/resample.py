@@ -50,7 +50,7 @@ def resample(
     Args:
         pixels: Shape (rows, columns) or (rows, columns, channels), 8 or 16 bit.
         sampling: The map, of the same size.
-        interpolation: How pixels between pixels are made.
+        interpolation: The interpolation method.
         outside: Value of each channel where the picture shows nothing; None repeats its edge.
         alpha: Whether the last channel is alpha; then colours are weighted by it.
         threads: Number of threads; one a core by default.

@@ -24,7 +24,7 @@ class Settings:
         difference: Write the picture of the differences too.
 
     Raises:
-        OptionError: a value is none of these.
+        OptionError: a value is not one of these.
     """
 
     interpolation: Interpolation = "cubic"

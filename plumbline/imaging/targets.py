@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,11 +15,13 @@ SUFFIX = "_corrected"
 DIFFERENCE = "_difference"
 
 _PICTURES = frozenset((".jpg", ".jpeg", ".jpe", ".tif", ".tiff", ".png", ".webp"))
-_LOOKED_AT = 2**18  # bytes at either end of a file
+_LOOKED_AT = 2**18
+"""Bytes at either end of a file, where the note of a correction is looked for: chosen because
+EXIF, which is first, has at most 64 KiB in JPEG, and WebP has it last."""
 
 
 @dataclass(frozen=True)
-class Task:
+class PhotoTarget:
     """One photograph to correct.
 
     Attributes:
@@ -40,13 +43,13 @@ def difference_of(target: Path) -> Path:
     return beside(target, DIFFERENCE).with_suffix(".png")
 
 
-def plan(
+def photo_targets(
     sources: Sequence[str | Path],
     output: str | Path | None,
     suffix: str | None = None,
     *,
     difference: bool = False,
-) -> list[Task]:
+) -> list[PhotoTarget]:
     """The photographs that files and folders name, each with its target.
 
     Folders are searched to any depth; hidden files, and results of an earlier run, which bear
@@ -75,44 +78,68 @@ def plan(
         else:
             found.append((source, Path(source.name)))
     if output is None:
-        tasks = [Task(photo, beside(photo, result)) for photo, _ in found]
+        tasks = [PhotoTarget(photo, beside(photo, result)) for photo, _ in found]
     elif _is_folder(output):
-        tasks = [Task(photo, Path(output) / beside(place, suffix or "")) for photo, place in found]
+        tasks = [
+            PhotoTarget(photo, Path(output) / beside(place, suffix or "")) for photo, place in found
+        ]
     elif suffix is not None:
         raise OptionError(
             f"{output} is the whole name of a file, and the suffix {suffix} has no place in it",
             hint="leave out --suffix, or name a folder with -o",
         )
     elif len(found) == 1:
-        tasks = [Task(found[0][0], Path(output))]
+        tasks = [PhotoTarget(found[0][0], Path(output))]
     else:
         raise OptionError(
             f"{output} is one file for {len(found)} photographs", hint="name a folder with -o"
         )
     tasks = list(dict.fromkeys(tasks))
-    made_from = {task.target.absolute(): task.photo for task in tasks}
-    made = [t for t in tasks if made_from.get(t.photo.absolute(), t.photo) != t.photo]
-    for photo in (task.photo for task in made):
+    sources_of = {task.target.absolute(): task.photo for task in tasks}
+    results = [t for t in tasks if sources_of.get(t.photo.absolute(), t.photo) != t.photo]
+    for photo in (task.photo for task in results):
         if photo.is_file() and not _is_ours(photo):
             raise OptionError(
-                f"{made_from[photo.absolute()]} would be written over {photo}, which is to be "
+                f"{sources_of[photo.absolute()]} would be written over {photo}, which is to be "
                 "corrected itself",
                 hint="choose another --suffix, or name a folder with -o",
             )
-    tasks = [task for task in tasks if task not in made]
+    tasks = [task for task in tasks if task not in results]
     _refuse_collisions(tasks, difference=difference)
     return tasks
 
 
+def passed_over(
+    sources: Iterable[str | Path], output: str | Path | None, suffix: str | None = None
+) -> dict[str, int]:
+    """How many files of folders are not corrected, by the ends of their names.
+
+    Hidden files and results of an earlier run are not counted.
+
+    Args:
+        sources: Files and folders, as `photo_targets` takes them.
+        output: As `photo_targets` takes it.
+        suffix: As `photo_targets` takes it.
+    """
+    result = SUFFIX if suffix is None else suffix
+    kinds: Counter[str] = Counter()
+    for folder in filter(Path.is_dir, map(Path, sources)):
+        for path in _files(folder, output):
+            plain = not path.name.startswith(".") and not _is_result(path, result)
+            if plain and path.suffix.lower() not in _PICTURES:
+                kinds[path.suffix.lower() or "without suffix"] += 1
+    return dict(kinds.most_common())
+
+
 def refuse_suffix(suffix: str) -> None:
-    """Refuse a suffix of results that is no part of a file name.
+    """Refuse a suffix of results that cannot be part of a file name.
 
     Raises:
         OptionError: as said.
     """
     if os.sep in suffix or "/" in suffix or "\0" in suffix:
         raise OptionError(
-            f"the suffix {suffix!r} is no part of a file name", hint="name a folder with -o"
+            f"the suffix {suffix!r} cannot be part of a file name", hint="name a folder with -o"
         )
 
 
@@ -123,6 +150,18 @@ def _is_folder(output: str | Path) -> bool:
 
 def _pictures(folder: Path, suffix: str, output: str | Path | None) -> list[Path]:
     """Originals below a folder, those in the output folder left out."""
+    found = [path for path in _files(folder, output) if _is_original(path, suffix)]
+    if not found:
+        raise ReadError(
+            "this folder holds no pictures",
+            path=folder,
+            hint="JPEG, TIFF, PNG and WebP are looked for",
+        )
+    return found
+
+
+def _files(folder: Path, output: str | Path | None) -> Iterator[Path]:
+    """All files below a folder, those in hidden folders and in the output folder left out."""
     results = None if output is None else Path(output).absolute()
 
     def stop(error: OSError) -> None:
@@ -130,30 +169,25 @@ def _pictures(folder: Path, suffix: str, output: str | Path | None) -> list[Path
             f"the folder cannot be read: {error.strerror}", path=error.filename or folder
         ) from None
 
-    found: list[Path] = []
     for place, folders, files in os.walk(folder, onerror=stop):
         folders[:] = sorted(
             name
             for name in folders
             if not name.startswith(".") and Path(place, name).absolute() != results
         )
-        found += [Path(place, name) for name in sorted(files) if _is_original(name, suffix)]
-    if not found:
-        raise ReadError(
-            "there is no picture in this folder",
-            path=folder,
-            hint="JPEG, TIFF, PNG and WebP are looked for",
-        )
-    return found
+        yield from (Path(place, name) for name in sorted(files))
 
 
-def _is_original(name: str, suffix: str) -> bool:
-    path = Path(name)
-    result = bool(suffix) and path.stem.endswith((suffix, suffix + DIFFERENCE))
-    return path.suffix.lower() in _PICTURES and not name.startswith(".") and not result
+def _is_original(path: Path, suffix: str) -> bool:
+    hidden = path.name.startswith(".")
+    return path.suffix.lower() in _PICTURES and not hidden and not _is_result(path, suffix)
 
 
-def _refuse_collisions(tasks: Iterable[Task], *, difference: bool) -> None:
+def _is_result(path: Path, suffix: str) -> bool:
+    return bool(suffix) and path.stem.endswith((suffix, suffix + DIFFERENCE))
+
+
+def _refuse_collisions(tasks: Iterable[PhotoTarget], *, difference: bool) -> None:
     taken: dict[Path, Path] = {}
     for task in tasks:
         for target in (task.target, difference_of(task.target))[: 1 + difference]:
@@ -166,14 +200,14 @@ def _refuse_collisions(tasks: Iterable[Task], *, difference: bool) -> None:
 
 
 def check_target(target: Path, photo: Path, *, overwrite: bool) -> None:
-    """Refuse to write over the original, or over a file that plumbline did not make.
+    """Refuse to write over the original, or over a file that plumbline did not write.
 
     Raises:
-        WriteError: as said, or there is no such folder.
+        WriteError: as said, or the folder does not exist.
     """
     try:
         if not target.parent.is_dir():
-            raise WriteError("the folder does not exist", path=target, hint="make it first")
+            raise WriteError("the folder does not exist", path=target, hint="create it first")
         if not target.exists():
             return
         if photo.exists() and target.samefile(photo):
@@ -183,7 +217,7 @@ def check_target(target: Path, photo: Path, *, overwrite: bool) -> None:
                 hint="choose another name with -o, or a --suffix",
             )
         if not target.is_file():
-            raise WriteError("this is no regular file", path=target, hint="name a file with -o")
+            raise WriteError("this is not a regular file", path=target, hint="name a file with -o")
         if not overwrite and not _is_ours(target):
             raise WriteError(
                 "this file exists and was not written by plumbline",

@@ -9,16 +9,17 @@ from plumbline.errors import OptionError, printable
 from plumbline.wording import listed
 
 _FAR = 0.1
+"""As `clamp_focal` allows outside the calibrated range, relatively."""
 
 
 @dataclass(frozen=True)
-class Candidate:
+class LensMatch:
     """A lens that may be meant.
 
     Attributes:
         name: Its name, as `--lens-name` takes it.
         range_mm: Shortest and longest calibrated focal length; None if not calibrated.
-        attached: Whether a converter is attached to the camera's own lens.
+        attached: Whether it is a variant: a converter is attached, or it is for close distances.
         score: How well its name matches; larger is better.
     """
 
@@ -43,7 +44,7 @@ class Candidate:
 
 
 def choose(
-    candidates: Sequence[Candidate], named: str | None, focal_mm: float | None, where: str
+    candidates: Sequence[LensMatch], named: str | None, focal_mm: float | None, where: str
 ) -> tuple[int, str]:
     """The number of the lens that is meant, and a note if others were left aside.
 
@@ -69,7 +70,7 @@ def choose(
     ]
     note = ""
     if converters:
-        note = f"lenses with a converter were left aside: {listed(converters, 4)} (--lens-name)"
+        note = f"variants (converter, macro) were left aside: {listed(converters, 4)} (--lens-name)"
     best = [i for i in left if candidates[i].score == max(candidates[j].score for j in left)]
     if len(best) > 1 or (not named and len(left) > 1):
         raise OptionError(
@@ -97,7 +98,7 @@ def no_camera() -> OptionError:
 
 
 def _meant(
-    candidates: Sequence[Candidate], among: Sequence[int], named: str | None
+    candidates: Sequence[LensMatch], among: Sequence[int], named: str | None
 ) -> Sequence[int]:
     """Those without a converter, unless the name matches one with a converter better."""
     plain = [i for i in among if not candidates[i].attached]
@@ -111,13 +112,13 @@ def _same(name: str, other: str) -> bool:
     return name.casefold().split() == other.casefold().split()
 
 
-def _none_fits(candidates: Sequence[Candidate], focal_mm: float | None, where: str) -> str:
+def _none_fits(candidates: Sequence[LensMatch], focal_mm: float | None, where: str) -> str:
     names = listed([str(each) for each in candidates], 8)
     at = f" at {focal_mm:.4g} mm" if focal_mm else ""
     return f"no matching lens of {where} is calibrated for distortion{at}: {names}"
 
 
-def _calibrate(candidates: Sequence[Candidate]) -> str:
+def _calibrate(candidates: Sequence[LensMatch]) -> str:
     if all(each.range_mm is None for each in candidates):
         return "calibrate the lens with plumbline fit, and name the result with --lens"
     if all(each.attached for each in candidates):

@@ -11,7 +11,7 @@ from pathlib import Path
 from plumbline.errors import OptionError
 from plumbline.geometry.lens import Lens
 from plumbline.lenses import sources
-from plumbline.lenses.choosing import Candidate, like_note
+from plumbline.lenses.choosing import LensMatch, like_note
 from plumbline.lenses.correction import Correction
 from plumbline.lenses.profile import LensProfile, correction
 from plumbline.lenses.request import LensRequest
@@ -34,7 +34,7 @@ class LookUp:
     """
 
     profile: LensProfile
-    candidates: tuple[Candidate, ...] = ()
+    candidates: tuple[LensMatch, ...] = ()
 
 
 def profile_for(photo: PhotoFacts, lens: LensSource) -> tuple[LensProfile, LensRequest]:
@@ -83,7 +83,8 @@ def look_up(photo: PhotoFacts, request: LensRequest) -> LookUp:
             raise OptionError("--like and --ptlens are both given", hint="leave one of them out")
         return LookUp(sources.given_outright(photo, request))
     if request.source is not None:
-        return LookUp(*sources.find_in_file(photo, request))
+        profile, candidates = sources.find_in_file(photo, request)
+        return LookUp(_told(profile, photo, request), candidates)
     from plumbline.lenses import store
     from plumbline.lenses.lensfun import find as lensfun
 
@@ -91,7 +92,16 @@ def look_up(photo: PhotoFacts, request: LensRequest) -> LookUp:
     if own is not None:
         return LookUp(_as_asked(own, photo, request).with_notes(*notes))
     profile, candidates = lensfun.from_database(photo, request)
-    return LookUp(profile.with_notes(*notes), candidates)
+    return LookUp(_told(profile, photo, request).with_notes(*notes), candidates)
+
+
+def _told(profile: LensProfile, photo: PhotoFacts, request: LensRequest) -> LensProfile:
+    """The profile, saying who named the lens where EXIF's own tag did not."""
+    if not photo.lens_told_by or not request.looks_for_name:
+        return profile
+    return replace(
+        profile, description=f"{profile.description} (lens named by {photo.lens_told_by})"
+    )
 
 
 def _as_asked(profile: LensProfile, photo: PhotoFacts, request: LensRequest) -> LensProfile:

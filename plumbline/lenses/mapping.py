@@ -14,7 +14,7 @@ from plumbline.frame import Array, Frame
 from plumbline.models import Model
 from plumbline.models.inverse import REACH
 
-_LOOKED_AT = 33  # points along a side
+_LOOKED_AT = 33  # points along a side; chosen, distortion is smooth
 
 Turn = tuple[tuple[int, int], tuple[int, int]]
 

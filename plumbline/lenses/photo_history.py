@@ -7,6 +7,8 @@ from plumbline.lenses.request import LensRequest
 from plumbline.photos.exif import PhotoFacts
 
 _MERELY_RESIZED = 0.01
+"""Relative difference of shapes: chosen, rounding sides to pixels changes less."""
+
 _CORRECTORS = ("ptlens", "dxo", "hugin", "nona", "lensfun")
 
 

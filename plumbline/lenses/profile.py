@@ -22,12 +22,15 @@ from plumbline.lenses.mapping import TURNS, UPRIGHT, PhotoLens, Turn
 from plumbline.lenses.photo_history import history_notes, shape, whole_size
 from plumbline.lenses.request import LensRequest
 from plumbline.models import Model
+from plumbline.photos.cameras import same_camera, shows_other_part
 from plumbline.photos.exif import PhotoFacts
 
 _SAME_SHAPE = 0.02
-_FAR = 0.1
-_NEAR = 0.005
+"""Relative: chosen between pixels cropped by cameras (under 1 %) and the next shape (3:2 to 16:10,
+7 %)."""
+
 _VISIBLE_PX = 0.1
+"""Chosen: a tenth of what picks are good for."""
 
 
 @dataclass(frozen=True)
@@ -47,6 +50,7 @@ class LensProfile:
         camera: The camera it was calibrated with; may be empty.
         crop_factor: Of that camera.
         photo_crop: Crop factor of the photo's camera, where the source knows it.
+        shows_part: Whether that is the crop factor of the part of the sensor that is shown.
         pixel_aspect: Width of one pixel over its height.
         photos: Names of the pictures it was calibrated in, in small letters, without folders.
         notes: What to warn of, in plain sentences.
@@ -64,6 +68,7 @@ class LensProfile:
     camera: str = ""
     crop_factor: float | None = None
     photo_crop: float | None = None
+    shows_part: bool = False
     pixel_aspect: float = 1.0
     photos: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
@@ -92,7 +97,9 @@ def laid_over(
         OptionError: the photo is cropped, or of another shape than the lens's pictures, and the
             request does not say how.
     """
-    notes = [*history_notes(photo)]
+    notes = [*photo.notes, *history_notes(photo)]
+    if profile.shows_part:
+        photo = replace(photo, digital_zoom=None)  # it is in the crop factor
     if not any(profile.coefficients) and profile.observed_centre == profile.ideal_centre:
         notes.append("the lens has no distortion: the photo stays as it is")
     elif not any(profile.coefficients):
@@ -115,47 +122,6 @@ def laid_over(
     if otherwise is not None:
         notes += _unknown_turn(mapped, replace(mapped, turn=otherwise))
     return mapped, (*profile.notes, *notes)
-
-
-def clamp_focal(
-    focal_mm: float | None, range_mm: tuple[float, float], what: str
-) -> tuple[float, str]:
-    """The focal length to evaluate a lens at, and a note if it is not the photo's.
-
-    Args:
-        focal_mm: That of the photo, if known.
-        range_mm: Shortest and longest calibrated focal length.
-        what: The lens, for the sentences.
-
-    Raises:
-        OptionError: the photo's is not known and matters, or more than 10 % out of the range.
-    """
-    low, high = range_mm
-    calibrated = f"{low:g} mm" if low == high else f"{low:g} to {high:g} mm"
-    if focal_mm is None:
-        if low == high:
-            return low, f"the photo's focal length is not known: taken at {low:g} mm"
-        raise OptionError(
-            f"the photo does not tell its focal length, and {what} is calibrated at {calibrated}",
-            hint="give it with --focal",
-        )
-    nearest = min(max(focal_mm, low), high)
-    taken = f"the photo was taken at {focal_mm:.4g} mm"
-    if not low * (1 - _FAR) <= focal_mm <= high * (1 + _FAR):
-        away = f"out of the calibrated range of {what}, {calibrated}"
-        if low == high:
-            away = f"away from the {calibrated} that {what} is calibrated at"
-        raise OptionError(
-            f"{taken}, more than 10 % {away}",
-            hint="calibrate the lens at this focal length, or give the right one with --focal",
-        )
-    if abs(focal_mm / nearest - 1) <= _NEAR:
-        return nearest, ""
-    if low == high:
-        return low, f"{taken}, the lens is calibrated at {calibrated}: corrected as there"
-    return nearest, (
-        f"{taken}, out of the calibrated range {calibrated}: corrected as at {nearest:g} mm"
-    )
 
 
 def _check_shape(
@@ -196,19 +162,27 @@ def _crop_ratio(
     given = request.crop_factor or profile.photo_crop
     if given is not None and profile.crop_factor is not None:
         return given / profile.crop_factor
-    own = (request.camera or photo.facts.camera).casefold()
-    if not own or not profile.camera or own == profile.camera.casefold():
-        return 1.0
-    if photo.facts.crop_factor and profile.crop_factor:
+    own, theirs = photo.facts.crop_factor, profile.crop_factor
+    camera = request.camera or photo.facts.camera
+    same = not camera or not profile.camera or same_camera(camera, profile.camera)
+    if own and theirs and request.full_size is None:
+        if not same:
+            notes.append(
+                f"the lens was calibrated with {profile.camera}: scaled by the crop factors, "
+                f"{own:.4g} to {theirs:.4g}"
+            )
+            return own / theirs
+        if shows_other_part(own, theirs) or shows_other_part(theirs, own):
+            notes.append(
+                f"EXIF gives a crop factor of {own:.4g}, the calibration's photos have "
+                f"{theirs:.4g}: scaled by them, as another part of one sensor (--crop-factor)"
+            )
+            return own / theirs
+    if not same:
         notes.append(
-            f"the lens was calibrated with {profile.camera}: scaled by the crop factors, "
-            f"{photo.facts.crop_factor:.4g} to {profile.crop_factor:.4g}"
+            f"the lens was calibrated with {profile.camera}, this photo taken with "
+            f"{camera}: taken as sensors of one size (--crop-factor)"
         )
-        return photo.facts.crop_factor / profile.crop_factor
-    notes.append(
-        f"the lens was calibrated with {profile.camera}, this photo taken with "
-        f"{request.camera or photo.facts.camera}: taken as sensors of one size (--crop-factor)"
-    )
     return 1.0
 
 

@@ -11,8 +11,9 @@ import numpy as np
 
 from plumbline.errors import OptionError, printable
 from plumbline.formats.lens_files.ptlens_profile import PTLensCamera, PTLensLens, PTLensProfile
-from plumbline.lenses.choosing import Candidate, choose, like_note, no_camera
-from plumbline.lenses.profile import LensProfile, clamp_focal
+from plumbline.lenses.choosing import LensMatch, choose, like_note, no_camera
+from plumbline.lenses.focal import clamp_focal
+from plumbline.lenses.profile import LensProfile
 from plumbline.lenses.request import LensRequest
 from plumbline.lenses.zoom.curves import linear_weights
 from plumbline.models import get_model
@@ -22,7 +23,7 @@ from plumbline.wording import listed
 
 def find(
     profile: PTLensProfile, path: str, photo: PhotoFacts, request: LensRequest
-) -> tuple[LensProfile, tuple[Candidate, ...]]:
+) -> tuple[LensProfile, tuple[LensMatch, ...]]:
     """The lens of a profile for a photo.
 
     Raises:
@@ -104,7 +105,7 @@ def _matches(name: str, wanted: str) -> bool:
     return bool(words) and all(word in name.casefold() for word in words)
 
 
-def _candidate(lens: PTLensLens) -> Candidate:
+def _candidate(lens: PTLensLens) -> LensMatch:
     focals = [focal for focal, _ in lens.calibrations]
     span = (focals[0], focals[-1]) if focals else None
-    return Candidate(lens.name, span, attached=lens.converter_factor != 1)
+    return LensMatch(lens.name, span, attached=lens.converter_factor != 1)

@@ -31,3 +31,10 @@ class LensRequest:
     focal_mm: float | None = None
     crop_factor: float | None = None
     full_size: tuple[int, int] | None = None
+
+    @property
+    def looks_for_name(self) -> bool:
+        """Whether the photo's own lens name matters: a database is asked, and no name is given."""
+        if self.ptlens is not None or self.lens_name is not None:
+            return False
+        return self.source is None or not self.source.casefold().endswith((".json", ".pto", ".ini"))

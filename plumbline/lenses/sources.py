@@ -1,4 +1,4 @@
-"""Files that hold a lens, told apart by their content; each made a profile for a photo."""
+"""Files that hold a lens, told apart by their content; as profiles for a photo."""
 
 from __future__ import annotations
 
@@ -13,19 +13,24 @@ from plumbline.files import ZOOM, read_bytes
 from plumbline.formats.base import Source
 from plumbline.frame import Frame
 from plumbline.geometry.lens import Lens
-from plumbline.lenses.choosing import Candidate
-from plumbline.lenses.profile import LensProfile, clamp_focal
+from plumbline.lenses.choosing import LensMatch
+from plumbline.lenses.focal import clamp_focal
+from plumbline.lenses.names import agree, numbers_of, same_range
+from plumbline.lenses.profile import LensProfile
 from plumbline.lenses.request import LensRequest
 from plumbline.lenses.stored import StoredLens
 from plumbline.models import CENTRE, get_model
 from plumbline.observations.facts import LensFacts
+from plumbline.photos.cameras import crop_factor_of
 from plumbline.photos.exif import PhotoFacts
 from plumbline.wording import listed
 
 _LARGEST = 100.0
+"""Chosen: coefficients of real lenses are below 1, so that a decimal point was lost."""
+
 _DATABASES = "a LensFun XML file or folder, a PTLens profile, a zoom JSON"
 
-Found = tuple[LensProfile, tuple[Candidate, ...]]
+Found = tuple[LensProfile, tuple[LensMatch, ...]]
 
 
 def find_in_file(photo: PhotoFacts, request: LensRequest) -> Found:
@@ -50,7 +55,7 @@ def find_in_file(photo: PhotoFacts, request: LensRequest) -> Found:
         return ptlens.find(ptlens_profile.read_ptlens(source), path, photo, request)
     if request.like is not None:
         raise OptionError(
-            f"--like chooses a camera of a database, and {path} is none",
+            f"--like chooses a camera of a database, and {path} is not one",
             hint="leave out --like, or --lens",
         )
     if head.startswith("{") and f'"{ZOOM}"' in head[:1024]:
@@ -92,7 +97,51 @@ def _profile(
     """The lens that belongs to the photo: by its name, else by its focal length."""
     focal_mm = request.focal_mm or photo.facts.focal_mm
     stored, note = _of_photo(lenses, path, photo, focal_mm)
-    return stored_lens_profile(stored, path, focal_mm).with_notes(note)
+    named = bool(photo.name) and photo.name.casefold() in {
+        _base(n).casefold() for n in stored.photos
+    }
+    if not named:
+        stored = _with_focal(stored, photo, request)
+    profile = stored_lens_profile(stored, path, focal_mm)
+    return profile.with_notes(note, _other_lens(stored, photo, request, path))
+
+
+def _with_focal(stored: StoredLens, photo: PhotoFacts, request: LensRequest) -> StoredLens:
+    """The lens with the focal length that its field of view means on the photo's sensor.
+
+    A project without a photo that told it has a field of view, no focal length.
+    """
+    facts = stored.facts
+    crop = facts.crop_factor or request.crop_factor or photo.facts.crop_factor
+    if crop is None:
+        crop = crop_factor_of(photo.maker, photo.model)
+    if facts.focal_mm or not facts.hfov_deg or crop is None:
+        return stored
+    known = replace(facts, crop_factor=crop).focal_length_mm(stored.lens.frame)
+    return replace(stored, facts=replace(facts, focal_mm=known))
+
+
+def _other_lens(stored: StoredLens, photo: PhotoFacts, request: LensRequest, path: str) -> str:
+    """A note where the photo names its lens in other words than the file.
+
+    Raises:
+        OptionError: the numbers in the names, or EXIF's range, contradict each other.
+    """
+    own, theirs = request.lens_name or photo.facts.model, stored.facts.model
+    if not theirs or not (own or photo.lens_range_mm):
+        return ""
+    told = numbers_of(theirs)
+    range_mm = None if request.lens_name else photo.lens_range_mm
+    if not agree(numbers_of(own), told) or not same_range(range_mm, told.range_mm):
+        low, high = photo.lens_range_mm or (0.0, 0.0)
+        raise OptionError(
+            f"{printable(path)} is of the lens {printable(theirs)}, the photo of "
+            + (printable(own) if own else f"one of {low:g} to {high:g} mm"),
+            hint=f"take another file, or say that it is the lens with --lens-name {theirs!r}",
+        )
+    if own and own.casefold().split() != theirs.casefold().split():
+        return f"the photo names its lens {own}, the calibration {theirs}: taken as one"
+    return ""
 
 
 def stored_lens_profile(stored: StoredLens, path: str, focal_mm: float | None) -> LensProfile:
@@ -148,13 +197,13 @@ def given_outright(photo: PhotoFacts, request: LensRequest) -> LensProfile:
     """The lens of coefficients typed in.
 
     Raises:
-        OptionError: a name is none of a, b, c, d, e.
+        OptionError: a name is not one of a, b, c, d, e.
     """
     given = dict(request.ptlens or {})
     wrong = sorted(set(given) - {"a", "b", "c", *CENTRE})
     if wrong:
         raise OptionError(
-            f"{', '.join(wrong)} is no coefficient of the ptlens model",
+            f"{', '.join(wrong)} is not a coefficient of the ptlens model",
             hint="give them as --ptlens a=0,b=-0.02,c=0; d and e, the centre, are in pixels of the "
             "photo as it is stored",
         )

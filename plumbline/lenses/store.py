@@ -9,19 +9,22 @@ from pathlib import Path
 from plumbline.errors import OptionError, ReadError, UnsettledError, WriteError
 from plumbline.files import RESULT, ZOOM, read_bytes, write_atomically
 from plumbline.formats.base import Source
+from plumbline.lenses.names import likeness, numbers_of, same_range
 from plumbline.lenses.profile import LensProfile
 from plumbline.lenses.request import LensRequest
 from plumbline.lenses.sources import stored_lens_profile
+from plumbline.lenses.stored import StoredLens
 from plumbline.lenses.stored_files import stored_lenses
 from plumbline.lenses.zoom import json as zoom_json
 from plumbline.lenses.zoom.json import StoredZoom
 from plumbline.observations.facts import LensFacts
+from plumbline.photos.cameras import same_camera
 from plumbline.photos.exif import PhotoFacts
 from plumbline.result.calibration import refuse_unsettled
 from plumbline.result.files import consistent_results
 from plumbline.wording import listed
 
-_MOST_FILES = 10_000
+_MOST_FILES = 10_000  # chosen to end in a folder that holds something else
 
 
 def folder() -> Path:
@@ -51,15 +54,15 @@ def add(path: str, *, overwrite: bool = False) -> Path:
         low, high = lens.range_mm
         name = _name(path, lens.facts, f"{low:g}-{high:g}mm")
     elif f'"{RESULT}"' in head:
-        made = list(consistent_results(source.text(), path))
-        if len(made) != 1:
+        results = list(consistent_results(source.text(), path))
+        if len(results) != 1:
             raise OptionError(
-                f"{path} holds {len(made)} calibrations",
+                f"{path} holds {len(results)} calibrations",
                 hint="fit each lens by itself (--image N), or join them with plumbline zoom",
             )
-        refuse_unsettled(made)
-        facts = made[0].observations.lenses[0]
-        focal_mm = facts.focal_length_mm(made[0].lens.frame)
+        refuse_unsettled(results)
+        facts = results[0].observations.lenses[0]
+        focal_mm = facts.focal_length_mm(results[0].lens.frame)
         if focal_mm is None:
             raise OptionError(
                 f"{path} does not tell its focal length, so that no photo could find it",
@@ -68,7 +71,7 @@ def add(path: str, *, overwrite: bool = False) -> Path:
         name = _name(path, facts, f"{focal_mm:.4g}mm")
     else:
         raise ReadError(
-            "this is no calibration or zoom lens written by plumbline",
+            "this is not a calibration or zoom lens written by plumbline",
             path=path,
             hint="write one with plumbline fit POINTS -o result.json, or plumbline zoom",
         )
@@ -83,7 +86,7 @@ def add(path: str, *, overwrite: bool = False) -> Path:
         target.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise WriteError(
-            f"the folder cannot be made: {error.strerror or error}",
+            f"the folder cannot be created: {error.strerror or error}",
             path=target.parent,
             hint="make it writable, or name the file with --lens instead",
         ) from None
@@ -105,17 +108,9 @@ def find(photo: PhotoFacts, request: LensRequest) -> tuple[LensProfile | None, t
     misses: list[str] = []
     names: set[str] = set()
     focal_mm = request.focal_mm or photo.facts.focal_mm
-    for path in _files():
+    for path in files():
         try:
-            source = Source(str(path), read_bytes(path))
-            if f'"{ZOOM}"' in source.head[:1024]:
-                stored = zoom_json.read_zoom(source)
-                facts, calibrated = stored.lens.facts, stored.lens.range_mm
-            else:
-                stored = next(iter(stored_lenses(source)))
-                facts = stored.facts
-                own = facts.focal_length_mm(stored.lens.frame) or 0.0
-                calibrated = (own, own)
+            stored, facts, calibrated = read_kept(path)
         except (ReadError, UnsettledError) as error:
             notes.append(f"a calibration of your own was left aside: {error.message}")
             continue
@@ -145,10 +140,31 @@ def find(photo: PhotoFacts, request: LensRequest) -> tuple[LensProfile | None, t
             + listed(sorted(names)),
             hint="say which with --lens-name, or name a file with --lens",
         )
+    if not (request.lens_name or photo.facts.model):
+        notes.append(
+            "the photo does not name its lens: your own calibration of this camera was taken"
+        )
     return min(found, key=lambda each: each[0])[1], tuple(notes)
 
 
-def _files() -> list[Path]:
+def read_kept(path: Path) -> tuple[StoredZoom | StoredLens, LensFacts, tuple[float, float]]:
+    """A calibration of the store, what it says of itself, and its focal lengths.
+
+    Raises:
+        ReadError: it is damaged.
+        UnsettledError: its fit did not reach a minimum.
+    """
+    source = Source(str(path), read_bytes(path))
+    if f'"{ZOOM}"' in source.head[:1024]:
+        zoom = zoom_json.read_zoom(source)
+        return zoom, zoom.lens.facts, zoom.lens.range_mm
+    stored = next(iter(stored_lenses(source)))
+    own = stored.facts.focal_length_mm(stored.lens.frame) or 0.0
+    return stored, stored.facts, (own, own)
+
+
+def files() -> list[Path]:
+    """The files of the store, in the order of their names."""
     try:
         return sorted(folder().glob("*.json"))[:_MOST_FILES]
     except OSError:
@@ -158,10 +174,14 @@ def _files() -> list[Path]:
 def _fits(facts: LensFacts, photo: PhotoFacts, request: LensRequest) -> bool:
     """Whether a calibration is of the photo's camera and lens, as far as both tell."""
     camera = request.like or request.camera or photo.facts.camera
-    if not camera or facts.camera.casefold().split() != camera.casefold().split():
+    if not camera or not same_camera(facts.camera, camera):
         return False
     lens = request.lens_name or photo.facts.model
-    return not (lens and facts.model) or lens.casefold().split() == facts.model.casefold().split()
+    if not facts.model:
+        return True
+    if not lens:
+        return same_range(photo.lens_range_mm, numbers_of(facts.model).range_mm)
+    return likeness(lens, facts.model) == 1.0
 
 
 def _name(path: str, facts: LensFacts, focal: str) -> str:

@@ -37,31 +37,31 @@ class StoredLens:
     covariance: Array | None = field(default=None, compare=False)
 
 
-def of_calibration(made: Calibration) -> StoredLens:
+def of_calibration(calibration: Calibration) -> StoredLens:
     """The lens of a calibration.
 
     Raises:
         UnsettledError: its fit did not reach a minimum.
     """
-    refuse_unsettled([made])
-    names = tuple(photo.name for photo in made.observations.photos if photo.name)
-    facts = made.observations.lenses[0]
+    refuse_unsettled([calibration])
+    names = tuple(photo.name for photo in calibration.observations.photos if photo.name)
+    facts = calibration.observations.lenses[0]
     return StoredLens(
-        made.lens,
+        calibration.lens,
         facts,
         names,
-        observations=made.observations,
-        covariance=_covariance(made),
+        observations=calibration.observations,
+        covariance=_covariance(calibration),
     )
 
 
-def _covariance(made: Calibration) -> Array:
+def _covariance(calibration: Calibration) -> Array:
     """Covariance of all of the model's coefficients, zero where one was held."""
-    names = made.lens.model.coefficients
+    names = calibration.lens.model.coefficients
     whole = np.zeros((len(names), len(names)))
-    free = [index for index, name in enumerate(made.free) if name in names]
-    into = [names.index(made.free[index]) for index in free]
-    whole[np.ix_(into, into)] = made.covariance[np.ix_(free, free)]
+    free = [index for index, name in enumerate(calibration.free) if name in names]
+    into = [names.index(calibration.free[index]) for index in free]
+    whole[np.ix_(into, into)] = calibration.covariance[np.ix_(free, free)]
     return whole
 
 
@@ -70,6 +70,6 @@ def projection_note(projection: str) -> tuple[str, ...]:
     if projection == "rectilinear":
         return ()
     return (
-        f"the lens is no rectilinear one ({projection}): its distortion is corrected, its "
+        f"the lens is not rectilinear ({projection}): its distortion is corrected, its "
         "projection stays, so straight lines stay curved",
     )

@@ -18,6 +18,7 @@ from plumbline.lenses.stored import StoredLens, of_calibration, projection_note
 from plumbline.models import CENTRE, get_model
 from plumbline.observations import MAX_SIDE
 from plumbline.observations.facts import LensFacts
+from plumbline.photos.cameras import camera_name
 from plumbline.result.files import consistent_results
 
 KINDS = "a result JSON, a Hugin or PTGui project, or a Hugin lens .ini"
@@ -33,7 +34,7 @@ def stored_lenses(source: Source) -> tuple[StoredLens, ...]:
     head = source.head.lstrip()
     if head.startswith("{") and f'"{RESULT}"' in head[:1024]:
         results = consistent_results(source.text(), source.path)
-        return tuple(of_calibration(made) for made in results)
+        return tuple(of_calibration(each) for each in results)
     if ptgui.recognises(source):
         return _of_images(source, ptgui.read_images(source))
     if pto.recognises(source):
@@ -96,7 +97,7 @@ def _of_ini(source: Source) -> StoredLens:
             "the lens file has no image_width and image_height, which its values are measured in",
             hint="save the lens again in Hugin",
         )
-    camera = f"{found.camera_maker} {found.camera_model}".strip()
+    camera = camera_name(found.camera_maker, found.camera_model)
     facts = LensFacts(
         camera=printable(camera),
         exif_make=printable(found.camera_maker),

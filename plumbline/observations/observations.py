@@ -62,7 +62,7 @@ class Observations:
             pixel_aspect: Width of one pixel over its height.
 
         Raises:
-            OptionError: an array has the wrong shape or holds NaN or infinity, the size is no
+            OptionError: an array has the wrong shape or holds NaN or infinity, the size is not
                 two positive whole numbers, or there are more or fewer labels than lines.
 
         Example:
@@ -78,7 +78,7 @@ class Observations:
                 f"there are {count(len(names), 'label')} for {count(len(arrays), 'line')}",
                 hint="give one label for each line, or none at all",
             )
-        made: list[Line] = []
+        chosen: list[Line] = []
         for label, values in zip(map(str, names), arrays, strict=True):
             try:
                 points = np.array(values, dtype=np.float64)
@@ -89,10 +89,10 @@ class Observations:
                     f"line {label} has shape {points.shape}",
                     hint="give one array of shape (n, 2), x and y in pixels, for each line",
                 )
-            made.append(Line(points, 0, label))
+            chosen.append(Line(points, 0, label))
         facts = LensFacts(focal_px=None if focal_px is None else float(focal_px))
         photo = Photo(size, pixel_aspect=pixel_aspect)
-        return cls((photo,), tuple(made), (facts,)).checked().counted_once()
+        return cls((photo,), tuple(chosen), (facts,)).checked().counted_once()
 
     @classmethod
     def side_by_side(cls, parts: Sequence[Observations]) -> Observations:
@@ -219,7 +219,7 @@ class Observations:
     def counted_once(self) -> Observations:
         """The same observations without lines and picks that stand there twice.
 
-        A copy is no second measurement. Lines of one photo that share two picks or more lie on
+        A copy is not a second measurement. Lines of one photo that share two picks or more lie on
         one edge, and what they share counts once; a single pick that two lines share is where
         they cross, as in a grid. Notes name the copies.
         """
@@ -258,7 +258,7 @@ class Observations:
         sentence = f"the point ({x:g}, {y:g}) of line {line.label} " + (
             f"lies outside the {frame.width}x{frame.height} photo"
             if np.isfinite(x) and np.isfinite(y)
-            else "is no finite number"
+            else "is not a finite number"
         )
         hint = "check the photo's size and the point; pixels count from 0 at the top left"
         if len(self.origins) == 1:

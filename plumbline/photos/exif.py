@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import re
-import struct
-import warnings
 from dataclasses import dataclass, replace
+from html import unescape
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from plumbline.errors import ReadError
 from plumbline.observations.facts import FULL_FRAME_MM, LensFacts
-from plumbline.photos.maker_notes import corrected_in_camera
+from plumbline.photos.cameras import agreed_crop, camera_name
+from plumbline.photos.header import read_header
+from plumbline.photos.maker_notes import read_maker_notes
 
-_MAKE, _MODEL, _ORIENTATION, _EXIF_IFD = 0x010F, 0x0110, 0x0112, 0x8769
+_MAKE, _MODEL, _ORIENTATION = 0x010F, 0x0110, 0x0112
 _FOCAL, _FOCAL_35MM, _LENS_MAKE, _LENS_MODEL = 0x920A, 0xA405, 0xA433, 0xA434
 _WIDTH, _X_RESOLUTION, _Y_RESOLUTION, _UNIT = 0xA002, 0xA20E, 0xA20F, 0xA210
 _HEIGHT = 0xA003
@@ -24,11 +24,13 @@ _DIGITAL_ZOOM = 0xA404
 _MAKER_NOTES, _LENS_SPECIFICATION = 0x927C, 0xA432
 _PROFILE = re.compile(rb"LensProfileEnable\s*(?:=\s*[\"']|>)\s*1\b")
 _LENS_INFO = re.compile(rb"LensInfo\s*(?:=\s*[\"']|>)\s*(\d{1,9})/(\d{1,9}) (\d{1,9})/(\d{1,9})")
-_SAMPLE_FORMAT, _FLOATING = 339, 3
-_MM_PER_UNIT = {2: 25.4, 3: 10.0, 4: 1.0}
+_XMP_LENS = re.compile(
+    rb"(?:exifEX:LensModel|aux:Lens)\s*(?:=\s*[\"']|>(?:\s*<rdf:Alt>\s*<rdf:li[^>]*>)?)([^\"'<]{3,200})"
+)
+_TAKEN, _CHANGED = 0x9003, 0x0132
+_NO_LENS = ("none", "unknown", "no lens", "dt 0.0mm f0.0 sam")
 
-FLOATS = "32-bit float pictures are not supported"
-FLOATS_HINT = "save it with 16 bits a channel"
+_MM_PER_UNIT = {2: 25.4, 3: 10.0, 4: 1.0}
 
 
 @dataclass(frozen=True)
@@ -44,11 +46,16 @@ class PhotoFacts:
         model: Model of the camera, as EXIF has it.
         orientation: EXIF's orientation, 1 to 8; 1 is upright as stored.
         exif_size: Width and height as stored that EXIF tells of; None where it is silent.
-        lens_range_mm: Shortest and longest focal length of the lens, if EXIF or XMP tell it.
+        lens_range_mm: Shortest and longest focal length of the lens, if EXIF, XMP or maker notes
+            tell it.
+        lens_told_by: Who names the lens, where it is not EXIF itself; else empty.
+        taken: EXIF's date and time, as it stands there; may be empty.
         history: What programs wrote of themselves, joined; may be empty.
         profile_applied: Whether XMP says that a lens profile was applied in developing.
         digital_zoom: By how much the camera enlarged the middle of what it saw; None if it did not.
         in_camera: What tells that the camera itself corrected the distortion; else empty.
+        not_in_camera: What tells that it did not; else empty.
+        notes: What to know of these facts, in plain sentences.
     """
 
     size: tuple[int, int]
@@ -64,6 +71,10 @@ class PhotoFacts:
     profile_applied: bool = False
     digital_zoom: float | None = None
     in_camera: str = ""
+    not_in_camera: str = ""
+    lens_told_by: str = ""
+    taken: str = ""
+    notes: tuple[str, ...] = ()
 
     @property
     def stored_size(self) -> tuple[int, int]:
@@ -72,8 +83,14 @@ class PhotoFacts:
         return (height, width) if self.turned else (width, height)
 
     def taken_as_corrected(self) -> PhotoFacts:
-        """The same photo where it is meant to be corrected: signs of it are no warning."""
-        return replace(self, history="", profile_applied=False, in_camera="")
+        """The same photo where it is meant to be corrected, so that signs of it do not warn."""
+        return replace(
+            self, history="", profile_applied=False, in_camera="", not_in_camera="told to be"
+        )
+
+    def naming(self, lens: str, told_by: str) -> PhotoFacts:
+        """The same photo with the name of its lens, from elsewhere than EXIF."""
+        return replace(self, facts=replace(self.facts, model=lens), lens_told_by=told_by)
 
 
 def read_photo(path: str | Path, *, remedy: str = "") -> PhotoFacts:
@@ -81,82 +98,59 @@ def read_photo(path: str | Path, *, remedy: str = "") -> PhotoFacts:
 
     Args:
         path: The file.
-        remedy: What else the user can do where it is none.
+        remedy: What else the user can do if it cannot be read.
 
     Raises:
-        ReadError: the file is missing or no picture that Pillow knows.
+        ReadError: the file is missing, or not a picture that can be read.
     """
-    from PIL import Image, UnidentifiedImageError
-
     hint = f"give a JPEG, TIFF, PNG or WebP{remedy}"
-    try:
-        if not Path(path).is_file() and Path(path).exists():
-            raise ReadError("this is no file", path=path, hint=hint)
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            with Image.open(path) as image:
-                width, height = image.size
-                exif = image.getexif()
-                tags = dict(exif) | dict(exif.get_ifd(_EXIF_IFD))
-                packet = image.info.get("xmp") or b""
-    except FileNotFoundError:
-        raise ReadError("there is no such photo", path=path, hint=hint) from None
-    except UnidentifiedImageError:
-        if _is_float_tiff(path):
-            raise ReadError(FLOATS, path=path, hint=FLOATS_HINT) from None
-        raise ReadError("this is no picture that can be read", path=path, hint=hint) from None
-    except Image.DecompressionBombError:
-        raise ReadError(
-            "this picture claims to have more pixels than any camera", path=path, hint=hint
-        ) from None
-    except (
-        OSError,
-        ValueError,
-        SyntaxError,
-        LookupError,
-        TypeError,
-        EOFError,
-        struct.error,
-    ) as error:
-        reason = (error.strerror if isinstance(error, OSError) else None) or error
-        raise ReadError(f"the photo cannot be read: {reason}", path=path, hint=hint) from None
+    header = read_header(path, hint)
+    tags, packet = header.tags, header.packet
     orientation = int(_positive(tags, _ORIENTATION) or 1)
     turned = orientation in (5, 6, 7, 8)
     notes_of_maker = tags.get(_MAKER_NOTES)
-    if turned:
-        width, height = height, width
+    told = read_maker_notes(
+        notes_of_maker if isinstance(notes_of_maker, bytes) else b"",
+        header.block,
+        _text(tags, _MAKE),
+    )
+    name, told_by = _lens_name(tags, packet, told.lens)
+    facts, notes = _facts(tags, name)
+    history = [*(_text(tags, t) for t in (_SOFTWARE, _PROCESSING, _HISTORY)), header.remark]
+    width, height = header.size
     return PhotoFacts(
-        (width, height),
-        _facts(tags),
+        (height, width) if turned else (width, height),
+        facts,
         turned,
         name=Path(path).name,
         maker=_text(tags, _MAKE),
         model=_text(tags, _MODEL),
         orientation=orientation if orientation in range(1, 9) else 1,
         exif_size=_exif_size(tags),
-        lens_range_mm=_lens_range(tags, packet if isinstance(packet, bytes) else b""),
-        history="; ".join(
-            filter(None, (_text(tags, t) for t in (_SOFTWARE, _PROCESSING, _HISTORY)))
-        ),
-        profile_applied=isinstance(packet, bytes) and _PROFILE.search(packet) is not None,
+        lens_range_mm=_lens_range(tags, packet) or told.range_mm,
+        history="; ".join(filter(None, history)),
+        profile_applied=_PROFILE.search(packet) is not None,
         digital_zoom=_digital_zoom(tags),
-        in_camera=corrected_in_camera(notes_of_maker) if isinstance(notes_of_maker, bytes) else "",
+        in_camera=told.corrected,
+        not_in_camera=told.uncorrected,
+        lens_told_by=told_by,
+        taken=_text(tags, _TAKEN) or _text(tags, _CHANGED),
+        notes=notes,
     )
 
 
-def _is_float_tiff(path: str | Path) -> bool:
-    """Whether this is a TIFF of floating-point numbers, of which Pillow knows grey ones only."""
-    from PIL.TiffImagePlugin import ImageFileDirectory_v2
-
-    try:
-        with Path(path).open("rb") as file, warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            directory = ImageFileDirectory_v2(file.read(8))
-            file.seek(directory.next)
-            directory.load(file)
-            return _FLOATING in directory.get(_SAMPLE_FORMAT, ())
-    except (OSError, ValueError, SyntaxError, LookupError, TypeError, struct.error):
-        return False
+def _lens_name(tags: dict[int, Any], packet: bytes, by_maker: str) -> tuple[str, str]:
+    """Name of the lens, and who tells it where EXIF does not."""
+    own = _text(tags, _LENS_MODEL)
+    if any(character.isalnum() for character in own) and own.casefold() not in _NO_LENS:
+        return own, ""
+    found = _XMP_LENS.search(packet)
+    if found is not None:
+        text = unescape(found.group(1).decode("utf-8", "replace"))
+        name = " ".join("".join(c if c.isprintable() else " " for c in text).split())[:120]
+        if any(character.isdigit() for character in name):
+            return name, "XMP"
+    return (by_maker, "the maker notes") if by_maker else ("", "")
 
 
 def _exif_size(tags: dict[int, Any]) -> tuple[int, int] | None:
@@ -182,35 +176,24 @@ def _lens_range(tags: dict[int, Any], packet: bytes) -> tuple[float, float] | No
     return (low, high) if 0 < low <= high < np.inf else None
 
 
-def _facts(tags: dict[int, Any]) -> LensFacts:
+def _facts(tags: dict[int, Any], lens: str) -> tuple[LensFacts, tuple[str, ...]]:
     make, camera = _text(tags, _MAKE), _text(tags, _MODEL)
     focal_mm = _positive(tags, _FOCAL)
-    crop_factor, crop_factor_error = _crop_factor(tags, focal_mm)
-    return LensFacts(
+    equivalent, by_sensor = _positive(tags, _FOCAL_35MM), _sensor_crop(tags)
+    crop_factor, crop_factor_error, notes = agreed_crop(
+        equivalent, focal_mm, by_sensor, make, camera
+    )
+    facts = LensFacts(
         maker=_text(tags, _LENS_MAKE) or make,
-        model=_text(tags, _LENS_MODEL),
-        camera=camera if not make or camera.startswith(make) else f"{make} {camera}".strip(),
+        model=lens,
+        camera=camera_name(make, camera),
         exif_make=make,
         exif_model=camera,
         focal_mm=focal_mm,
         crop_factor=crop_factor,
         crop_factor_error=crop_factor_error,
     )
-
-
-def _crop_factor(tags: dict[int, Any], focal_mm: float | None) -> tuple[float | None, float | None]:
-    """From the size of the sensor where EXIF tells it, else from the 35-mm equivalent.
-
-    The equivalent is rounded to whole millimetres: that error comes with it.
-    """
-    equivalent = _positive(tags, _FOCAL_35MM)
-    by_focal = equivalent / focal_mm if equivalent and focal_mm else None
-    by_sensor = _sensor_crop(tags)
-    if by_sensor and (by_focal is None or abs(by_sensor / by_focal - 1) < 0.06):
-        return by_sensor, None
-    if by_focal is None or equivalent is None:
-        return None, None
-    return by_focal, 0.5 / equivalent
+    return facts, notes
 
 
 def _sensor_crop(tags: dict[int, Any]) -> float | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from plumbline.errors import ReadError
 from plumbline.formats.base import Source
@@ -21,13 +22,18 @@ _COPIED = 1e-4
 def photo_beside(source: Source, photo: Photo, notes: list[str]) -> PhotoFacts | None:
     """The photo that a file of points names, if it lies in that file's folder."""
     name = photo.name.replace("\\", "/").rpartition("/")[2]
+    if not name and len(source.photos) == 1:
+        (name,) = source.photos
     if not name or name in (".", ".."):
         return None
     path = Path(source.path).parent / name
     try:
-        if not path.is_file():
+        if name in source.photos:
+            found = _read_member(name, source.photos[name])
+        elif path.is_file():
+            found = read_photo(path)
+        else:
             return None
-        found = read_photo(path)
     except ReadError as error:
         notes.append(f"the photo beside the file was not used: {error.message}")
         return None
@@ -41,6 +47,14 @@ def photo_beside(source: Source, photo: Photo, notes: list[str]) -> PhotoFacts |
         )
         return None
     return found
+
+
+def _read_member(name: str, content: bytes) -> PhotoFacts:
+    """The header of a photo that stands in an archive."""
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / f"photo{Path(name).suffix}"
+        path.write_bytes(content)
+        return replace(read_photo(path), name=name)
 
 
 def agreed_size(
@@ -74,7 +88,7 @@ def agreed_size(
             raise source.error(
                 f"contradictory sizes: {who} says {size[0]}x{size[1]}, {other} "
                 f"{differing[0]}x{differing[1]}",
-                hint="picks must be made in the photo at the size that is given",
+                hint="pick the points in the photo at the size that is given",
             )
     return size
 
@@ -99,6 +113,7 @@ def with_exif(facts: LensFacts, pictures: Sequence[PhotoFacts], notes: list[str]
     """
     if not pictures:
         return facts
+    notes += dict.fromkeys(note for picture in pictures for note in picture.notes)
     focals = {picture.name: picture.facts.focal_mm for picture in pictures}
     known = [focal for focal in focals.values() if focal]
     if known and max(known) / min(known) - 1 > ONE_FOCAL_LENGTH:

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path, PurePath
 
 from plumbline.errors import OptionError
 from plumbline.files import is_same, read_bytes
+from plumbline.formats.archives import opened
 from plumbline.formats.base import Order, ReadOptions, Source
 from plumbline.formats.grid import refuse_all_as_one
 from plumbline.formats.known import format_of
+from plumbline.formats.units import in_pixels
 from plumbline.observations import Observations, Origin, Photo
 from plumbline.photos.exif import PhotoFacts, read_photo
+from plumbline.photos.identity import identity_of
 from plumbline.reading.joining import join
 from plumbline.reading.photo import agreed_size, note_on_orientation, photo_beside, with_exif
 
@@ -75,14 +78,17 @@ def read(
     shot = None if photo is None else read_photo(photo, remedy=_GIVE_SIZE)
     parts: list[Observations] = []
     for file in files:
-        source = Source(str(file), read_bytes(file))
+        content = read_bytes(file)
+        source = opened(Source(str(file), content))
         row = format_of(source, format)
         known = size if size is not None or shot is None else shot.size
         raw = _chosen(source, row.read(source, ReadOptions(known, grid, order)), image)
         if grid is None and not singly:
             refuse_all_as_one(source, raw)
-        part = _with_photos(source, raw, shot, size, pixel_aspect)
-        part = replace(part, origins=(Origin(str(file), row.name, source.content),))
+        part = _with_photos(source, raw, photo, shot, size, pixel_aspect)
+        if not singly:
+            part = in_pixels(source, part)
+        part = replace(part, origins=(Origin(str(file), row.name, content),))
         part = part.checked(ideal=ideal, singly=singly)
         parts.append(part if singly else part.counted_once())
     return join(parts)
@@ -91,6 +97,7 @@ def read(
 def _with_photos(
     source: Source,
     raw: Observations,
+    path: str | Path | None,
     shot: PhotoFacts | None,
     size: tuple[int, int] | None,
     pixel_aspect: float | None,
@@ -100,7 +107,8 @@ def _with_photos(
     Args:
         source: The file.
         raw: What it holds.
-        shot: The photo that the user names.
+        path: The photo that the user names.
+        shot: What it says of itself.
         size: The photo's size that the user gives.
         pixel_aspect: The pixel aspect that the user gives.
     """
@@ -123,6 +131,8 @@ def _with_photos(
         aspect = each.pixel_aspect if pixel_aspect is None else pixel_aspect
         photos.append(replace(each, size=agreed, name=name, pixel_aspect=aspect))
         if picture and index in with_lines:
+            file = path if picture is shot and path else Path(source.path).parent / picture.name
+            photos[-1] = replace(photos[-1], **asdict(identity_of(file)))
             pictures.setdefault(each.lens, []).append(picture)
             notes += [n for n in note_on_orientation(picture, agreed) if n not in notes]
     lenses = [with_exif(f, pictures.get(i, []), notes) for i, f in enumerate(raw.lenses)]

@@ -63,6 +63,7 @@ def find_photos(
 
     Raises:
         ReadError: the file that the user names cannot be read, or is none of the photos.
+            One that is found by its name and is another picture is not shown, with a note.
     """
     photos = [photo for made in calibrations for photo in made.observations.photos]
     if given is not None:
@@ -79,8 +80,16 @@ def find_photos(
         pictures: list[Picture | None] = []
         for photo in made.observations.photos:
             mine = given is not None and (len(photos) == 1 or _base(photo) == Path(given).name)
+            if given is not None and mine:
+                _checked(photo, Path(given), read_bytes(given))
             places = [Path(given)] if given is not None and mine else _places(made, photo, beside)
-            pictures.append(_picture(photo, places, notes))
+            shown = _picture(photo, places, notes)
+            pictures.append(shown)
+            if shown is not None and not photo.sha256:
+                notes.append(
+                    f"whether {shown.path.name} is the picture that the points were picked "
+                    "in is not known: it was not at hand when they were read"
+                )
         found.append(Found(tuple(pictures), tuple(notes)))
     return found
 
@@ -124,7 +133,7 @@ def _read(photo: Photo, path: Path) -> Picture:
     """Decode and reduce a photo.
 
     Raises:
-        ReadError: it cannot be read, or is of another size than the picks.
+        ReadError: it cannot be read, is of another size than the picks, or another picture.
     """
     import cv2
 
@@ -138,6 +147,7 @@ def _read(photo: Photo, path: Path) -> Picture:
             path=path,
         )
     data = read_bytes(path)
+    sha256 = _checked(photo, path, data)
     picture = decode(data, path)
     pixels = picture.pixels
     scale = _LONG_SIDE / max(pixels.shape[:2])
@@ -146,7 +156,23 @@ def _read(photo: Photo, path: Path) -> Picture:
         pixels = np.asarray(cv2.resize(pixels, (width, height), interpolation=cv2.INTER_AREA))
     upright = photo.frame.size == facts.size
     shown = _upright(_as_rgb(pixels, inks=picture.inks), facts.orientation if upright else 1)
-    return Picture(path, hashlib.sha256(data).hexdigest(), np.ascontiguousarray(shown))
+    return Picture(path, sha256, np.ascontiguousarray(shown))
+
+
+def _checked(photo: Photo, path: Path, data: bytes) -> str:
+    """The SHA-256 of a photo's file.
+
+    Raises:
+        ReadError: the points were picked in another one.
+    """
+    sha256 = hashlib.sha256(data).hexdigest()
+    if photo.sha256 not in ("", sha256):
+        raise ReadError(
+            "this is another picture than the points were picked in: the SHA-256 differs",
+            path=path,
+            hint="name the very file with --photo, or leave it out",
+        )
+    return sha256
 
 
 def _as_rgb(pixels: NDArray[Any], *, inks: bool) -> NDArray[np.uint8]:

@@ -96,6 +96,8 @@ def report_contents(
     comparisons: Sequence[Comparison | None] = (),
     photo: str | None = None,
     source: str | None = None,
+    case: str = "",
+    examiner: str = "",
     overwrite: bool = False,
 ) -> tuple[dict[Path, bytes], list[str]]:
     """What goes into a report and into single figures; nothing is written yet.
@@ -107,6 +109,8 @@ def report_contents(
         comparisons: The comparison of models for each lens, for the page.
         photo: The photograph, where it is not found by name.
         source: The file of results, beside which photos are looked for too.
+        case: Name or number of the case, for the page.
+        examiner: Who calibrated, for the page.
         overwrite: Replace files that plumbline did not write.
 
     Returns:
@@ -125,12 +129,13 @@ def report_contents(
     inputs += [name for name in (source, photo) if name is not None]
     contents: dict[Path, bytes] = {}
     if report is not None:
-        from plumbline.report.page.document import Part, page_bytes
+        from plumbline.report.page.document import Assignment, Part, page_bytes
 
         refuse_to_clobber(Path(report), inputs, overwrite=overwrite)
         compared = comparisons or [None] * len(calibrations)
         contents[Path(report)] = page_bytes(
-            [Part(*each) for each in zip(calibrations, found, compared, strict=True)]
+            [Part(*each) for each in zip(calibrations, found, compared, strict=True)],
+            Assignment(case, examiner),
         )
     for plot in plots:
         for target, subject in _targets(Path(plot), calibrations, found):

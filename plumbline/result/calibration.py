@@ -24,10 +24,11 @@ from plumbline.trust.jackknife import Jackknife
 from plumbline.trust.linearised import Linearised
 from plumbline.trust.model_error import ModelError
 from plumbline.trust.placement import before_fit
+from plumbline.trust.quoted import Quoted
 from plumbline.trust.straightness import LineStraightness, largest, rms, straightness_before
 from plumbline.trust.student import quantile
 from plumbline.trust.suspect import Suspect
-from plumbline.trust.verdicts import after_fit
+from plumbline.trust.verdicts import after_fit, doubt
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,7 +128,7 @@ class Calibration:
         return (
             *self.observations.notes,
             *self.remarks,
-            *notes_on(self.trust, self.checks, self.lines, unsettled),
+            *notes_on(self.trust, self.checks, self._straight, unsettled),
         )
 
     @property
@@ -222,8 +223,18 @@ class Calibration:
         return self.trust.quoted_displacement
 
     @property
+    def quoted(self) -> Quoted | None:
+        """The one error to quote, with its parts; None where the model folds among the picks."""
+        return self.trust.quoted
+
+    @cached_property
+    def doubt(self) -> str:
+        """Why the fitted model is not to be trusted; empty where nothing speaks against it."""
+        return doubt(self.trust)
+
+    @property
     def quotes_jackknife(self) -> bool:
-        """Whether the jackknife's error is the one to quote: it is the larger."""
+        """Whether the jackknife is larger than what independent errors make."""
         return self.trust.quotes_jackknife
 
     @property
@@ -243,6 +254,11 @@ class Calibration:
             count = int(np.count_nonzero(kept))
             measured.append(LineStraightness(line.label, line.photo, count, *numbers))
         return tuple(measured)
+
+    @property
+    def _straight(self) -> tuple[LineStraightness, ...]:
+        """What notes judge lines by."""
+        return self.lines
 
     def _fitted(self, values: Sequence[Array]) -> list[Array]:
         """The values of the picks that were fitted."""

@@ -27,9 +27,7 @@ class Candidate:
             the best common scale and translation (homography with tangential terms).
         error_px: Largest standard error of its curve over the range of the picks, the larger of
             that for independent picking errors and the jackknife's.
-        overall_error_px: The error to quote: the same with what the models disagree by, weighted
-            by how well the picks support each (the unconditional standard error of K. Burnham and
-            D. Anderson 2002, section 4.3, of the largest differences).
+        overall_error_px: The error to quote, that of the fit: see `Calibration.quoted`.
         fold_px: Radius at which the model folds inside the photo, or None.
     """
 
@@ -58,8 +56,8 @@ class Comparison:
         recommended: Index of the row to take.
         reason: Why.
         centre: What freeing the distortion centre would do, in a sentence.
-        quote: Which error to quote with the recommended row, in a sentence; empty where too few
-            picks tell none.
+        quote: Which error to quote with the recommended row, in a sentence, as its fit has it;
+            empty where the model folds among the picks.
         beyond: How far models that the picks do not rule out part from the recommended one where
             there are no picks, in a sentence; empty where they do not part.
     """

@@ -1,15 +1,14 @@
 """Read back the JSON of `plumbline.result.writing`.
 
-Everything in a file is hostile until checked: shapes must fit, numbers be finite and indices
-point at something.
+Everything in a file is hostile until checked: the schema sees to types and to numbers, this
+module to what they say of one another.
 """
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
-from typing import Any, TypeVar
+from collections.abc import Sequence
+from dataclasses import asdict, fields, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,273 +21,220 @@ from plumbline.models import get_model
 from plumbline.observations import Line, Observations, Origin, Photo
 from plumbline.observations.facts import LensFacts
 from plumbline.result.calibration import Calibration
-from plumbline.result.writing import FORMAT_VERSION
+from plumbline.result.pair import PairCalibration
+from plumbline.result.records import DamageError, converted, parsed
+from plumbline.result.schema import (
+    FORMAT_VERSION,
+    LARGEST,
+    BootstrapRecord,
+    Head,
+    LineRecord,
+    Matrix,
+    ObservationsRecord,
+    PairRecord,
+    ResultRecord,
+    ResultsRecord,
+    SuspectRecord,
+)
 from plumbline.trust.bootstrap import Bootstrap
-from plumbline.trust.suspect import KINDS, Suspect
-
-T = TypeVar("T")
+from plumbline.trust.suspect import Suspect
 
 _AGAIN = "fit again: plumbline fit POINTS -o result.json"
-_TEXTS = ("maker", "model", "camera", "mount", "projection")
-_LATER_TEXTS = ("exif_make", "exif_model")  # absent from files of plumbline's first days
-_NUMBERS = (
-    "focal_mm",
-    "crop_factor",
-    "crop_factor_error",
-    "hfov_deg",
-    "hfov_width_px",
-    "focal_px",
-    "aspect_ratio",
-)
-_MOST = 1e100
-_WRONG_KIND = (ValueError, TypeError, IndexError, AttributeError, OverflowError)
+_ROUNDING = 1e-6
+"""How far a covariance may be from symmetric and positive, as correlations: chosen, because
+covariances are written exactly and rounding in double precision stays far below it."""
 
 
-class _DamageError(Exception):
-    """What is wrong with the file, in words for the user."""
-
-
-def from_json(text: str, path: str) -> tuple[Calibration, ...]:
-    """Read back what `to_json` wrote.
+def read_records(text: str, path: str) -> tuple[ResultRecord, ...]:
+    """What `to_json` wrote, as the file has it.
 
     Raises:
-        ReadError: the text is no such JSON.
+        ReadError: the text is not such JSON.
+    """
+    whole = parsed(text, path, _AGAIN)
+    _refuse_others(whole, path)
+    try:
+        if "calibrations" in whole:
+            return converted(whole, ResultsRecord).calibrations
+        return (converted(whole, ResultRecord),)
+    except DamageError as error:
+        raise _damaged(path, error) from None
+
+
+def calibration_of(record: ResultRecord, path: str) -> Calibration:
+    """The calibration of a record.
+
+    Raises:
+        ReadError: its parts do not go together.
     """
     try:
-        whole = json.loads(text, parse_constant=_not_finite)
-        _refuse_others(whole, path)
-        made = tuple(_calibration(each) for each in whole.get("calibrations", [whole]))
-    except ReadError:
-        raise
-    except RecursionError:
-        raise ReadError("the JSON is nested too deeply", path=path, hint=_AGAIN) from None
-    except KeyError as error:
-        raise ReadError(f"the calibration lacks {error}", path=path, hint=_AGAIN) from None
-    except json.JSONDecodeError as error:
-        raise ReadError(
-            "the file is damaged: its text is no JSON from here on",
-            path=path,
-            line=error.lineno,
-            hint=_AGAIN,
-        ) from None
-    except (PlumblineError, _DamageError) as error:
-        raise ReadError(f"the calibration is damaged: {error}", path=path, hint=_AGAIN) from None
-    except _WRONG_KIND:
-        raise ReadError(
-            "the calibration is damaged: something else stands where a number, a text or a list "
-            "belongs",
-            path=path,
-            hint=_AGAIN,
-        ) from None
-    if not made:
-        raise ReadError("there is no calibration in this file", path=path, hint=_AGAIN)
-    return made
+        return _calibration(record)
+    except (PlumblineError, DamageError) as error:
+        raise _damaged(path, error) from None
+
+
+def _damaged(path: str, error: Exception) -> ReadError:
+    return ReadError(f"the calibration is damaged: {error}", path=path, hint=_AGAIN)
 
 
 def _refuse_others(whole: Any, path: str) -> None:
     if not isinstance(whole, dict) or whole.get("format") != RESULT:
-        raise ReadError("this is no calibration written by plumbline", path=path, hint=_AGAIN)
-    if whole.get("format_version") != FORMAT_VERSION:
+        raise ReadError("this is not a calibration written by plumbline", path=path, hint=_AGAIN)
+    try:
+        version = converted(whole, Head).format_version
+    except DamageError as error:
+        raise _damaged(path, error) from None
+    if version > FORMAT_VERSION:
         raise ReadError(
-            "this calibration was written by another version of plumbline", path=path, hint=_AGAIN
+            f"this calibration was written by plumbline {whole['plumbline']}, which is newer",
+            path=path,
+            hint="update plumbline",
         )
 
 
-def _not_finite(name: str) -> float:
-    raise _DamageError(f"{name} is no finite number")
-
-
-def _calibration(data: Mapping[str, Any]) -> Calibration:
-    stored = data["observations"]
-    observations = _observations(stored)
+def _calibration(record: ResultRecord) -> Calibration:
+    observations = _observations(record.observations)
     sizes = [len(line.points_px) for line in observations.lines]
-    residuals_px = tuple(_residuals(line["residuals_px"]) for line in stored["lines"])
-    if [len(values) for values in residuals_px] != sizes:
-        raise _DamageError("the residuals do not fit the points")
-    every = zip(stored["lines"], residuals_px, strict=True)
-    kept = tuple(_kept(line.get("left_out", []), values) for line, values in every)
+    lines = record.observations.lines
+    if [len(line.residuals_px) for line in lines] != sizes:
+        raise DamageError("the residuals do not fit the points")
+    kept = tuple(_kept(line) for line in lines)
     if not any(which.any() for which in kept):
-        raise _DamageError("every pick is left out")
-    free = tuple(str(name) for name in data["free"])
-    lens = _lens(data, observations)
-    start = {str(name): _number(value) for name, value in data["start"].items()}
+        raise DamageError("every pick is left out")
+    free = record.free
+    lens = Lens(
+        get_model(record.model), observations.photos[0].frame, record.coefficients, record.focal_px
+    )
     names = set(lens.coefficients)
-    if not set(free) <= names or len(set(free)) < len(free) or set(start) != names:
-        raise _DamageError("the coefficients do not fit the model")
-    if data["residual"] not in ("image", "corrected"):
-        raise _DamageError("the kind of residual is not known")
-    return Calibration(
+    if not set(free) <= names or len(set(free)) < len(free) or set(record.start) != names:
+        raise DamageError("the coefficients do not fit the model")
+    known = Calibration(
         observations=observations,
         lens=lens,
         free=free,
-        start=start,
-        residual=data["residual"],
-        covariance=_covariance(data["covariance"], free),
-        sigma_px=_size(data["sigma_px"]),
-        dof=_whole(data["dof"], least=1),
-        residuals_px=residuals_px,
-        rms_corrected_px=_size(data["rms_corrected_px"]),
-        converged=_truth(data["converged"]),
-        reason=str(data["reason"]),
-        remarks=tuple(str(note) for note in data["remarks"]),
+        start=record.start,
+        residual=record.residual,
+        covariance=_covariance(record.covariance, free),
+        sigma_px=record.sigma_px,
+        dof=record.dof,
+        residuals_px=tuple(_residuals(line) for line in lines),
+        rms_corrected_px=record.rms_corrected_px,
+        converged=record.converged,
+        reason=record.reason,
+        remarks=record.remarks,
         kept=kept,
-        suspects=tuple(_suspect(each, sizes) for each in data.get("suspects", [])),
-        robust=_truth(data.get("robust", False)),
-        bootstrap=_bootstrap(data.get("bootstrap"), free),
-        command=str(data.get("command", "")),
-        version=str(data["plumbline"]),
+        suspects=tuple(_suspect(each, sizes) for each in record.suspects),
+        robust=record.robust,
+        bootstrap=_bootstrap(record.bootstrap, free),
+        command=record.command,
+        version=record.plumbline,
     )
+    return known if record.pair is None else _paired(known, record.pair)
 
 
-def _observations(stored: Mapping[str, Any]) -> Observations:
+def _paired(made: Calibration, pair: PairRecord) -> PairCalibration:
+    if any(line.corrected_px is None for line in made.observations.lines):
+        raise DamageError("a pair lacks its matched points")
+    values = {each.name: getattr(made, each.name) for each in fields(made)}
+    return PairCalibration(**values, scale=pair.scale, place_px=pair.place_px)
+
+
+def _observations(stored: ObservationsRecord) -> Observations:
     observations = Observations(
         photos=tuple(
             Photo(
-                _pair(p["size"], int),
-                str(p["name"]),
-                0,
-                _number(p["pixel_aspect"]),
-                int(p["number"]),
+                photo.size,
+                photo.name,
+                pixel_aspect=photo.pixel_aspect,
+                number=photo.number,
+                sha256=photo.sha256,
+                taken=photo.taken,
+                serial=photo.serial,
             )
-            for p in stored["photos"]
+            for photo in stored.photos
         ),
-        lines=tuple(
-            Line(_array(line["points_px"], 2), int(line["photo"]), str(line["label"]))
-            for line in stored["lines"]
-        ),
-        lenses=(_facts(stored["lens"]),),
-    ).checked()
-    if not all(0 <= line.photo < len(observations.photos) for line in observations.lines):
-        raise _DamageError("a line lies in no photo")
-    origins = tuple(
-        Origin(str(o["path"]), str(o["format"]), checksum=str(o.get("sha256", "")))
-        for o in stored["origins"]
-    )
-    notes = tuple(str(note) for note in stored["notes"])
-    return replace(observations, origins=origins, notes=notes)
+        lines=tuple(_line(line, len(stored.photos)) for line in stored.lines),
+        lenses=(_facts(stored.lens),),
+    ).checked(singly=any(line.corrected_px is not None for line in stored.lines))
+    origins = tuple(Origin(each.path, each.format, checksum=each.sha256) for each in stored.origins)
+    return replace(observations, origins=origins, notes=stored.notes)
 
 
-def _lens(data: Mapping[str, Any], observations: Observations) -> Lens:
-    return Lens(
-        get_model(str(data["model"])),
-        observations.photos[0].frame,
-        {str(name): _number(value) for name, value in data["coefficients"].items()},
-        None if data["focal_px"] is None else _number(data["focal_px"]),
-    )
+def _line(line: LineRecord, photos: int) -> Line:
+    if line.photo >= photos:
+        raise DamageError(f"line {line.label} lies in photo {line.photo} of {photos}")
+    points_px = np.array(line.points_px, dtype=np.float64).reshape(-1, 2)
+    corrected_px = None
+    if line.corrected_px is not None:
+        corrected_px = np.array(line.corrected_px, dtype=np.float64).reshape(-1, 2)
+        if len(corrected_px) != len(points_px):
+            raise DamageError(f"line {line.label} has more points than matches, or fewer")
+    return Line(points_px, line.photo, line.label, corrected_px=corrected_px)
 
 
-def _covariance(values: Any, free: tuple[str, ...]) -> Array:
-    covariance = _array(values, 2)
-    if covariance.shape != (len(free), len(free)) or np.any(np.diag(covariance) < 0):
-        raise _DamageError("the covariance does not fit the free coefficients")
+def _facts(facts: LensFacts) -> LensFacts:
+    for name, value in (asdict(facts) | dict(facts.stored)).items():
+        if isinstance(value, float) and not abs(value) <= LARGEST:
+            raise DamageError(f"observations.lens.{name} is a number out of range")
+    return facts
+
+
+def _covariance(values: Matrix, free: tuple[str, ...]) -> Array:
+    if [len(row) for row in values] != [len(free)] * len(free):
+        raise DamageError("the covariance does not fit the free coefficients")
+    covariance = np.array(values, dtype=np.float64).reshape(len(free), len(free))
+    if np.any(np.diag(covariance) < 0):
+        raise DamageError("a variance is negative")
     deviations = np.sqrt(np.diag(covariance))
     scale = np.outer(deviations, deviations)
     correlation = np.divide(covariance, scale, out=np.zeros_like(scale), where=scale > 0)
-    symmetric = np.allclose(correlation, correlation.T, rtol=0, atol=1e-6)
-    if not symmetric or (len(free) and np.min(np.linalg.eigvalsh(correlation)) < -1e-6):
-        raise _DamageError("the covariance is none")
+    if not np.allclose(correlation, correlation.T, rtol=0, atol=_ROUNDING):
+        raise DamageError("the covariance is not symmetric")
+    if len(free) and np.min(np.linalg.eigvalsh(correlation)) < -_ROUNDING:
+        raise DamageError("the covariance is not positive semi-definite")
     return covariance
 
 
-def _bootstrap(data: Any, free: tuple[str, ...]) -> Bootstrap | None:
+def _bootstrap(data: BootstrapRecord | None, free: tuple[str, ...]) -> Bootstrap | None:
     if data is None:
         return None
-    if set(data["intervals"]) != set(free):
-        raise _DamageError("the bootstrap does not fit the free coefficients")
-    intervals = _array([_pair(data["intervals"][name], _number) for name in free], 2)
-    covariance = _covariance(data["covariance"], free)
-    fits, failed = (_whole(data[name], least=0) for name in ("fits", "failed"))
-    return Bootstrap(fits, failed, covariance, intervals)
+    if set(data.intervals) != set(free):
+        raise DamageError("the bootstrap does not fit the free coefficients")
+    intervals = np.array([data.intervals[name] for name in free], dtype=np.float64).reshape(-1, 2)
+    return Bootstrap(data.fits, data.failed, _covariance(data.covariance, free), intervals)
 
 
-def _residuals(values: Any) -> Array:
+def _residuals(line: LineRecord) -> Array:
     """Residuals of one line; null for a pick that was left out beyond the fold."""
-    known = [np.inf if value is None else _number(value) for value in values]
+    known = [np.inf if value is None else value for value in line.residuals_px]
     return np.array(known, dtype=np.float64)
 
 
-def _kept(left_out: Any, residuals_px: Array) -> NDArray[np.bool_]:
-    kept = np.ones(len(residuals_px), dtype=np.bool_)
-    kept[_places(left_out, len(kept))] = False
-    if not np.all(np.isfinite(residuals_px[kept])):
-        raise _DamageError("a pick without a residual is not left out")
+def _kept(line: LineRecord) -> NDArray[np.bool_]:
+    kept = np.ones(len(line.residuals_px), dtype=np.bool_)
+    kept[_places(line.left_out, len(kept))] = False
+    if not np.all(np.isfinite(_residuals(line)[kept])):
+        raise DamageError("a pick without a residual is not left out")
     return kept
 
 
-def _places(values: Any, n: int) -> list[int]:
+def _places(places: Sequence[int], n: int) -> list[int]:
     """Which of a line's n picks."""
-    if not isinstance(values, list):
-        raise _DamageError("places of picks are no list")
-    places = [_whole(value, least=0) for value in values]
     if not all(place < n for place in places):
-        raise _DamageError("a pick is named that there is not")
-    return places
+        raise DamageError(f"pick {max(places)} of a line of {n} picks is named")
+    return list(places)
 
 
-def _suspect(data: Mapping[str, Any], sizes: Sequence[int]) -> Suspect:
-    line = _whole(data["line"], least=0)
-    picks = tuple(_places(data["picks"], sizes[line]))
-    if not picks:
-        raise _DamageError("a suspect is no pick at all")
-    if data["kind"] not in KINDS:
-        raise _DamageError(f"there is no kind of suspect {data['kind']!r}")
-    away, size = data["residual_px"], data["studentised"]
+def _suspect(record: SuspectRecord, sizes: Sequence[int]) -> Suspect:
+    if record.line >= len(sizes):
+        raise DamageError(f"line {record.line} of {len(sizes)} lines is called suspicious")
+    away, size = record.residual_px, record.studentised
     return Suspect(
-        line,
-        picks,
-        data["kind"],
-        np.inf if away is None else _number(away),
-        np.inf if size is None else _number(size),
-        _truth(data["left_out"]),
-        str(data["sentence"]),
-    )
-
-
-def _truth(value: Any) -> bool:
-    if not isinstance(value, bool):
-        raise _DamageError(f"{value!r} is neither true nor false")
-    return value
-
-
-def _whole(value: Any, *, least: int) -> int:
-    if not isinstance(value, int) or isinstance(value, bool) or not least <= value <= _MOST:
-        raise _DamageError(f"{value!r} is no whole number from {least} on")
-    return value
-
-
-def _size(value: Any) -> float:
-    number = _number(value)
-    if number < 0:
-        raise _DamageError(f"{number:g} is negative")
-    return number
-
-
-def _pair(values: Any, of: Callable[[Any], T]) -> tuple[T, T]:
-    first, second = values
-    return of(first), of(second)
-
-
-def _array(values: Any, dimensions: int) -> Array:
-    array = np.array(values, dtype=np.float64)
-    if array.ndim != dimensions or not np.all(np.abs(array) <= _MOST):
-        raise _DamageError("an array has the wrong shape or holds an absurd number")
-    return array
-
-
-def _number(value: Any) -> float:
-    number = float(value)
-    if not abs(number) <= _MOST:
-        raise _DamageError(f"{number:g} is an absurd number")
-    return number
-
-
-def _facts(data: Mapping[str, Any]) -> LensFacts:
-    facts: dict[str, Any] = {name: str(data[name]) for name in _TEXTS}
-    facts |= {name: str(data.get(name, "")) for name in _LATER_TEXTS}
-    facts |= {name: None if data[name] is None else _number(data[name]) for name in _NUMBERS}
-    requested = data["requested"]
-    return LensFacts(
-        **facts,
-        stored={str(name): _number(value) for name, value in data["stored"].items()},
-        requested=None if requested is None else tuple(str(name) for name in requested),
+        record.line,
+        tuple(_places(record.picks, sizes[record.line])),
+        record.kind,
+        np.inf if away is None else away,
+        np.inf if size is None else size,
+        record.left_out,
+        record.sentence,
     )

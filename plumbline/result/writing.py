@@ -6,152 +6,198 @@ The names are those of `Calibration`. One lens is one object; several are listed
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
-from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
 from plumbline._version import __version__
 from plumbline.files import RESULT
+from plumbline.frame import Array
 from plumbline.result.calibration import Calibration
+from plumbline.result.pair import PairCalibration
+from plumbline.result.records import record_text
+from plumbline.result.schema import (
+    FORMAT_VERSION,
+    BootstrapRecord,
+    DisplacementRecord,
+    JackknifeRecord,
+    LineRecord,
+    Matrix,
+    ObservationsRecord,
+    OriginRecord,
+    Pair,
+    PairRecord,
+    PhotoRecord,
+    ResultRecord,
+    ResultsRecord,
+    StraightnessRecord,
+    SuspectRecord,
+)
 from plumbline.trust.straightness import LineStraightness
 from plumbline.trust.suspect import Suspect
-
-FORMAT_VERSION = 1
 
 
 def to_json(calibrations: Sequence[Calibration]) -> str:
     """JSON text of one or several calibrations."""
-    objects = [as_dict(made) for made in calibrations]
-    whole = objects[0] if len(objects) == 1 else _header() | {"calibrations": objects}
-    text = json.dumps(whole, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-    # A file name that is no text is written in JSON's own escapes and reads back as it was.
-    return text.encode("utf-8", "backslashreplace").decode()
+    records = tuple(record_of(made) for made in calibrations)
+    if len(records) == 1:
+        return record_text(records[0])
+    return record_text(ResultsRecord(**_head(), calibrations=records))
 
 
-def _header() -> dict[str, Any]:
+def _head() -> dict[str, Any]:
     return {"format": RESULT, "format_version": FORMAT_VERSION, "plumbline": __version__}
 
 
-def as_dict(made: Calibration) -> dict[str, Any]:
-    """One calibration as plain lists, dicts, strings and numbers."""
-    finding = made.finding
-    return _header() | {
-        "model": made.model,
-        "free": list(made.free),
-        "residual": made.residual,
-        "coefficients": made.coefficients,
-        "standard_errors": made.standard_errors,
-        "start": dict(made.start),
-        "covariance": made.covariance.tolist(),
-        "sigma_px": made.sigma_px,
-        "dof": made.dof,
-        "rms_before_px": made.rms_before_px,
-        "rms_after_px": made.rms_after_px,
-        "rms_corrected_px": made.rms_corrected_px,
-        "largest_before_px": made.largest_before_px,
-        "largest_after_px": made.largest_after_px,
-        "intervals": {name: list(ends) for name, ends in made.intervals.items()},
-        "displacement": _displacement(made),
-        "jackknife": _jackknife(made),
-        "bootstrap": _bootstrap(made),
-        "model_error": None if made.model_error is None else asdict(made.model_error),
-        "robust": made.robust,
-        "checks": [asdict(check) for check in made.checks],
-        "suspects": [_suspect(made, each) for each in made.suspects],
-        "converged": made.converged,
-        "reason": made.reason,
-        "finding": asdict(finding),
-        "focal_px": made.lens.focal_px,
-        "notes": list(made.notes),
-        "remarks": list(made.remarks),
-        "command": made.command,
-        "lines": [_line(line) for line in made.lines],
-        "observations": _observations(made),
-    }
+def record_of(made: Calibration) -> ResultRecord:
+    """One calibration as it is written."""
+    return ResultRecord(
+        **_head(),
+        model=made.model,
+        free=made.free,
+        residual=made.residual,
+        coefficients=made.coefficients,
+        standard_errors=made.standard_errors,
+        start=dict(made.start),
+        covariance=_matrix(made.covariance),
+        sigma_px=made.sigma_px,
+        dof=made.dof,
+        rms_before_px=made.rms_before_px,
+        rms_after_px=made.rms_after_px,
+        rms_corrected_px=made.rms_corrected_px,
+        largest_before_px=made.largest_before_px,
+        largest_after_px=made.largest_after_px,
+        intervals=made.intervals,
+        displacement=_displacement(made),
+        jackknife=_jackknife(made),
+        bootstrap=_bootstrap(made),
+        model_error=made.model_error,
+        robust=made.robust,
+        checks=made.checks,
+        suspects=tuple(_suspect(made, each) for each in made.suspects),
+        converged=made.converged,
+        reason=made.reason,
+        finding=made.finding,
+        focal_px=made.lens.focal_px,
+        notes=made.notes,
+        remarks=made.remarks,
+        command=made.command,
+        lines=tuple(_line(line) for line in made.lines),
+        pair=PairRecord(scale=made.scale, place_px=made.place_px)
+        if isinstance(made, PairCalibration)
+        else None,
+        observations=_observations(made),
+    )
 
 
-def _displacement(made: Calibration) -> dict[str, Any] | None:
+def _displacement(made: Calibration) -> DisplacementRecord | None:
     sure, quoted = made.displacement, made.quoted_displacement
     if sure is None or quoted is None:
         return None
     wide = made.jackknife_displacement
-    return {
-        "quote_px": quoted.worst_px,
-        "quote_at_px": quoted.worst_at_px.tolist(),
-        "largest_px": sure.worst_px,
-        "at_px": sure.worst_at_px.tolist(),
-        "jackknife_largest_px": None if wide is None else wide.worst_px,
-        "quoted": "jackknife" if made.quotes_jackknife else "independent",
-        "points_px": sure.points_px.tolist(),
-        "errors_px": sure.errors_px.tolist(),
-    }
+    return DisplacementRecord(
+        quote_px=quoted.worst_px,
+        quote_at_px=_pairs(quoted.worst_at_px),
+        largest_px=sure.worst_px,
+        at_px=_pairs(sure.worst_at_px),
+        jackknife_largest_px=None if wide is None else wide.worst_px,
+        quoted="jackknife" if made.quotes_jackknife else "independent",
+        points_px=_pairs(sure.points_px),
+        errors_px=tuple(sure.errors_px.tolist()),
+    )
 
 
-def _line(line: LineStraightness) -> dict[str, Any]:
-    """Its straightness, null where it was left out as a whole."""
-    known = line._asdict()
-    return {n: None if line.left_out and n.endswith("_px") else v for n, v in known.items()}
+def _line(line: LineStraightness) -> StraightnessRecord:
+    known = not line.left_out
+    return StraightnessRecord(
+        label=line.label,
+        photo=line.photo,
+        n_points=line.n_points,
+        rms_before_px=line.rms_before_px if known else None,
+        rms_after_px=line.rms_after_px if known else None,
+        largest_after_px=line.largest_after_px if known else None,
+    )
 
 
-def _jackknife(made: Calibration) -> dict[str, Any] | None:
+def _jackknife(made: Calibration) -> JackknifeRecord | None:
     left = made.jackknife
-    return None if left is None else {"dof": left.dof, "covariance": left.covariance.tolist()}
+    return (
+        None if left is None else JackknifeRecord(dof=left.dof, covariance=_matrix(left.covariance))
+    )
 
 
-def _bootstrap(made: Calibration) -> dict[str, Any] | None:
+def _bootstrap(made: Calibration) -> BootstrapRecord | None:
     again, wide = made.bootstrap, made.bootstrap_displacement
     if again is None:
         return None
-    return {
-        "fits": again.fits,
-        "failed": again.failed,
-        "covariance": again.covariance.tolist(),
-        "intervals": dict(zip(made.free, again.intervals.tolist(), strict=True)),
-        "largest_px": None if wide is None else wide.worst_px,
-    }
+    return BootstrapRecord(
+        fits=again.fits,
+        failed=again.failed,
+        covariance=_matrix(again.covariance),
+        intervals=dict(zip(made.free, _pairs(again.intervals), strict=True)),
+        largest_px=None if wide is None else wide.worst_px,
+    )
 
 
-def _suspect(made: Calibration, suspect: Suspect) -> dict[str, Any]:
-    size = suspect.studentised if np.isfinite(suspect.studentised) else None
-    return asdict(suspect) | {
-        "label": made.observations.lines[suspect.line].label,
-        "picks": list(suspect.picks),
-        "residual_px": suspect.residual_px if np.isfinite(suspect.residual_px) else None,
-        "studentised": size,
-    }
+def _suspect(made: Calibration, suspect: Suspect) -> SuspectRecord:
+    return SuspectRecord(
+        line=suspect.line,
+        picks=suspect.picks,
+        kind=suspect.kind,
+        residual_px=_finite(suspect.residual_px),
+        studentised=_finite(suspect.studentised),
+        left_out=suspect.left_out,
+        sentence=suspect.sentence,
+        label=made.observations.lines[suspect.line].label,
+    )
 
 
-def _observations(made: Calibration) -> dict[str, Any]:
+def _observations(made: Calibration) -> ObservationsRecord:
     observations = made.observations
-    return {
-        "lens": asdict(observations.lenses[0]),
-        "photos": [
-            {
-                "name": p.name,
-                "number": p.number,
-                "size": list(p.frame.size),
-                "pixel_aspect": p.pixel_aspect,
-            }
-            for p in observations.photos
-        ],
-        "lines": [
-            {
-                "label": line.label,
-                "photo": line.photo,
-                "points_px": line.points_px.tolist(),
-                "before_px": before.tolist(),
-                "residuals_px": [r if np.isfinite(r) else None for r in after.tolist()],
-                "left_out": np.flatnonzero(~kept).tolist(),
-            }
+    return ObservationsRecord(
+        lens=observations.lenses[0],
+        photos=tuple(
+            PhotoRecord(
+                name=photo.name,
+                number=photo.number,
+                size=photo.frame.size,
+                pixel_aspect=photo.pixel_aspect,
+                sha256=photo.sha256,
+                taken=photo.taken,
+                serial=photo.serial,
+            )
+            for photo in observations.photos
+        ),
+        lines=tuple(
+            LineRecord(
+                label=line.label,
+                photo=line.photo,
+                points_px=_pairs(line.points_px),
+                before_px=tuple(before.tolist()),
+                residuals_px=tuple(_finite(residual) for residual in after.tolist()),
+                left_out=tuple(np.flatnonzero(~kept).tolist()),
+                corrected_px=None if line.corrected_px is None else _pairs(line.corrected_px),
+            )
             for line, before, after, kept in zip(
                 observations.lines, made.before_px, made.residuals_px, made.kept, strict=True
             )
-        ],
-        "origins": [
-            {"path": o.path, "format": o.format, "sha256": o.sha256} for o in observations.origins
-        ],
-        "notes": list(observations.notes),
-    }
+        ),
+        origins=tuple(
+            OriginRecord(path=origin.path, format=origin.format, sha256=origin.sha256)
+            for origin in observations.origins
+        ),
+        notes=observations.notes,
+    )
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
+
+
+def _pairs(values: Array) -> tuple[Pair, ...]:
+    return tuple((x, y) for x, y in values.tolist())
+
+
+def _matrix(values: Array) -> Matrix:
+    return tuple(tuple(row) for row in values.tolist())

@@ -13,11 +13,24 @@ from plumbline.frame import Array
 from plumbline.geometry.finding import Finding, find
 from plumbline.geometry.lens import Lens
 from plumbline.observations import Observations
+from plumbline.trust.besides import Besides
 from plumbline.trust.bootstrap import Bootstrap
-from plumbline.trust.displacement import Displacement, displacement_errors, grid_px
+from plumbline.trust.displacement import (
+    Displacement,
+    displacement_errors,
+    errors_of,
+    grid_px,
+    motions,
+)
+from plumbline.trust.edges import edges_of
 from plumbline.trust.jackknife import Jackknife, jackknife
 from plumbline.trust.linearised import Linearised, in_frame, linearise
 from plumbline.trust.model_error import ModelError, model_error
+from plumbline.trust.nuisances import DECENTRING, RADIAL, Nuisances, nuisances_of
+from plumbline.trust.picked import picked_range_px, reached_share
+from plumbline.trust.quoted import Quoted
+from plumbline.trust.steadiness import Steadiness, steadiness
+from plumbline.trust.student import widening
 from plumbline.trust.suspect import Suspect
 
 ResidualKind = Literal["image", "corrected"]
@@ -79,12 +92,39 @@ class Assessment:
             np.concatenate(self.kept),
             image=self.residual == "image",
             richer=self.lens.model.richer(self.free),
+            nuisances=self.nuisances,
         )
+
+    @cached_property
+    def nuisances(self) -> Nuisances:
+        """What else the lens may do."""
+        return nuisances_of(self.lens, self.free)
+
+    @cached_property
+    def dof(self) -> int:
+        """Degrees of freedom: points − 2 · lines − free coefficients."""
+        kept = [int(np.count_nonzero(each)) for each in self.kept]
+        return max(sum(kept) - 2 * sum(n > 0 for n in kept) - len(self.free), 1)
+
+    @cached_property
+    def range_px(self) -> Array:
+        """Points of the photo within the range of the picks, shape (n, 2)."""
+        return picked_range_px(self.lens, self.observations, np.concatenate(self.kept))
+
+    @cached_property
+    def reached(self) -> float:
+        """How far out the picks reach, as a share of the way to the corner."""
+        return reached_share(self.lens, self.observations, np.concatenate(self.kept))
 
     @cached_property
     def jackknife(self) -> Jackknife | None:
         """How much the result depends on each line; None where it needs one of them."""
-        return jackknife(self.linearised)
+        return jackknife(self.linearised, self.edges)
+
+    @cached_property
+    def edges(self) -> NDArray[np.int64]:
+        """The edge of each line, as the number of the first line along it, shape (l,)."""
+        return edges_of(self.lens, self.observations, self.sigma_px)
 
     @cached_property
     def model_error(self) -> ModelError | None:
@@ -105,17 +145,97 @@ class Assessment:
         """The same from the jackknife."""
         return None if self.jackknife is None else self._displacement(self.jackknife.covariance)
 
+    @cached_property
+    def steadiness(self) -> Steadiness | None:
+        """The jackknife against what chance would make of it; None where there is none."""
+        own, wide = self._in_range(self.covariance), self._jackknife_in_range
+        if self._moved is None or own is None or wide is None:
+            return None
+        k = len(self.free)
+        return steadiness(
+            self.linearised,
+            self.edges,
+            self._moved[..., :k],
+            float(np.max(own)),
+            float(np.max(wide)),
+            self.dof,
+        )
+
     @property
     def quotes_jackknife(self) -> bool:
-        """Whether the jackknife's error is the one to quote: it is the larger."""
-        if self.displacement is None or self.jackknife_displacement is None:
-            return False
-        return self.jackknife_displacement.worst_px > self.displacement.worst_px
+        """Whether the jackknife is larger than what independent errors make within the range."""
+        return self.steadiness is not None and self.steadiness.ratio > 1.0
+
+    @cached_property
+    def besides(self) -> Besides:
+        """What the lens may do besides the fitted model, and what the picks say of that."""
+        return Besides(self.linearised, self.nuisances, self.dof, self._moved, self.steadiness)
+
+    @cached_property
+    def quoted(self) -> Quoted | None:
+        """The error to quote; None where the model folds within the range of the picks."""
+        moved, k = self._moved, len(self.free)
+        if moved is None or "" not in self.besides.steps:
+            return None
+        missed = {
+            name: step.missed_px(moved[..., np.concatenate((np.ones(k, dtype=np.bool_), which))])
+            for name, (step, which) in self.besides.steps.items()
+        }
+        picks_px = self._picks_px(moved)
+        total_px = np.hypot(picks_px, missed[""])
+        worst, none = int(np.argmax(total_px)), np.zeros(len(total_px))
+        flat = self._motions(perspective=True)
+        return Quoted(
+            Displacement(self.range_px, total_px),
+            float(picks_px[worst]),
+            float(missed[""][worst]),
+            float(missed.get(DECENTRING, none)[worst]),
+            float(missed.get(RADIAL, none)[worst]),
+            None if flat is None else self._worst_px(flat),
+            self.reached,
+        )
 
     @property
     def quoted_displacement(self) -> Displacement | None:
         """Standard errors of the correction to quote."""
-        return self.jackknife_displacement if self.quotes_jackknife else self.displacement
+        return None if self.quoted is None else self.quoted.total
+
+    @cached_property
+    def _moved(self) -> Array | None:
+        """How points within the range move with coefficients and nuisances, (n, 2, k + m)."""
+        return self._motions(perspective=None)
+
+    def _motions(self, *, perspective: bool | None) -> Array | None:
+        return motions(
+            self.lens,
+            self.free,
+            self.range_px,
+            gauge_px=self.range_px,
+            nuisances=self.nuisances,
+            perspective=perspective,
+        )
+
+    def _in_range(self, covariance: Array) -> Array | None:
+        moved = self._moved
+        return None if moved is None else errors_of(moved[..., : len(self.free)], covariance)
+
+    @cached_property
+    def _jackknife_in_range(self) -> Array | None:
+        return None if self.jackknife is None else self._in_range(self.jackknife.covariance)
+
+    def _picks_px(self, moved: Array) -> Array:
+        """What the errors of the picks make of points that move so, widened to be quoted, (n,)."""
+        own = errors_of(moved[..., : len(self.free)], self.covariance)
+        if self.jackknife is None or self.steadiness is None:
+            return own * widening(self.dof)
+        wide = errors_of(moved[..., : len(self.free)], self.jackknife.covariance)
+        return np.maximum(own * widening(self.dof), self.steadiness.pooled(own, wide))
+
+    def _worst_px(self, moved: Array) -> float:
+        """The largest error to quote of points that move so."""
+        return float(
+            np.max(np.hypot(self._picks_px(moved), self.besides.steps[""][0].missed_px(moved)))
+        )
 
     @cached_property
     def bootstrap_displacement(self) -> Displacement | None:

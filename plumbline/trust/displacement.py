@@ -21,11 +21,15 @@ from numpy.typing import NDArray
 from plumbline.frame import Array
 from plumbline.geometry.derivatives import by_coefficients, by_powers, undistorted
 from plumbline.geometry.lens import Lens
+from plumbline.trust.nuisances import Nuisances
 from plumbline.wording import listed
 
 _GRID = 9
+"""Points along a side: chosen, corners and edges among them."""
 _ALIKE = 0.01
+"""Errors within one percent are equally bad: chosen."""
 _CORNERS = 4
+"""A photo has four."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,6 +102,8 @@ def motions(
     points_px: Array,
     powers: tuple[int, ...] = (),
     gauge_px: Array | None = None,
+    nuisances: Nuisances | None = None,
+    perspective: bool | None = None,
 ) -> Array | None:
     """How ideal points move with each coefficient, as far as straight lines can tell.
 
@@ -107,6 +113,8 @@ def motions(
         points_px: Observed points, shape (n, 2).
         powers: Powers of r that a richer model adds, one column each, after the others.
         gauge_px: As for `displacement_errors`.
+        nuisances: What else the lens may do, one column for a standard deviation of each, last.
+        perspective: Take the best homography out; by default where tangential terms are free.
 
     Returns:
         Shape (n, 2, k), square pixels of the corrected photo for one unit of each; None where the
@@ -120,7 +128,12 @@ def motions(
     columns = by_coefficients(lens, free, every, ideal)
     if powers:
         columns = np.concatenate((columns, by_powers(lens, powers, every, ideal)), axis=2)
-    unseen = _unseen(ideal.uv / lens.frame.radius_px, perspective=lens.model.decentred(free))
+    if nuisances is not None:
+        besides = nuisances.columns(lens, every, ideal)
+        columns = np.concatenate((columns, besides), axis=2)
+    if perspective is None:
+        perspective = lens.model.decentred(free)
+    unseen = _unseen(ideal.uv / lens.frame.radius_px, perspective=perspective)
     n = len(grid)
     on_grid = unseen[:n].reshape(2 * n, -1)
     taken = np.linalg.lstsq(on_grid, columns[:n].reshape(2 * n, -1), rcond=None)[0]

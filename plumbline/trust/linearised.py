@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,8 +20,10 @@ from plumbline.geometry.derivatives import Ideal, by_coefficients, by_powers, un
 from plumbline.geometry.lens import Lens
 from plumbline.geometry.lines import Lines, by_line, drawn_through, fit_lines, line_numbers
 from plumbline.observations import Observations
+from plumbline.trust.nuisances import Nuisances
 
 _SINGULAR = 1e-12
+"""Smallest eigenvalue of a balanced normal matrix that is not rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +38,7 @@ class Linearised:
         image_px: The same measured in the photograph, whichever kind was minimised.
         jacobian: Derivatives of `residual_px` by the free coefficients, shape (n, k).
         extra: The same for the terms that the next richer model adds, shape (n, m).
+        besides: The same for one standard deviation of each nuisance, shape (n, m).
         stretch: Pixels of the corrected photo across the line for one of the photograph, (n,).
         along_px: Position along the line, in the corrected photo, shape (n,).
         line_leverage: 1/n + t²/Σt² of each pick on its line, shape (n,).
@@ -47,6 +51,7 @@ class Linearised:
     image_px: Array
     jacobian: Array
     extra: Array
+    besides: Array
     stretch: Array
     along_px: Array
     line_leverage: Array
@@ -84,26 +89,43 @@ class Linearised:
         size = self.image_px / (max(sigma_px, 1e-12) * np.sqrt(room))
         return np.where(np.isfinite(self.image_px), size, np.inf)
 
-    def without_each_line(self) -> Array | None:
+    @cached_property
+    def line_normals(self) -> Array:
+        """JᵀJ of the kept picks of each line, shape (l, k, k)."""
+        k, weighted = self.jacobian.shape[1], self._weighted
+        normals = np.empty((self.n_lines, k, k))
+        for i, j in zip(*np.triu_indices(k), strict=True):  # one product at a time: picks are many
+            normals[:, i, j] = np.add.reduceat(weighted[:, i] * weighted[:, j], self._starts)
+            normals[:, j, i] = normals[:, i, j]
+        return normals
+
+    @property
+    def _weighted(self) -> Array:
+        return np.where(self.kept[:, None], self.jacobian, 0.0)
+
+    @property
+    def _starts(self) -> NDArray[np.int64]:
+        return np.searchsorted(self.line, np.arange(self.n_lines))
+
+    def without_each_line(self, edges: NDArray[np.int64] | None = None) -> Array | None:
         """How the coefficients would change with one line left out, shape (l, k).
+
+        Args:
+            edges: Lines to leave out together, a label for each, shape (l,); then the result
+                holds one row for each label, in rising order. Each by itself by default.
 
         One Gauss–Newton step from the fit, (N − N_l)⁻¹ g_l with N = JᵀJ and g = Jᵀr.
 
         Returns:
             None if there is a line without which the others do not determine the coefficients.
         """
-        k = self.jacobian.shape[1]
-        weighted = np.where(self.kept[:, None], self.jacobian, 0.0)
-        pulls = weighted * np.where(self.kept, self.residual_px, 0.0)[:, None]
-        starts = np.searchsorted(self.line, np.arange(self.n_lines))
-        normals = np.empty((self.n_lines, k, k))
-        for i, j in zip(*np.triu_indices(k), strict=True):  # one product at a time: picks are many
-            normals[:, i, j] = np.add.reduceat(weighted[:, i] * weighted[:, j], starts)
-            normals[:, j, i] = normals[:, i, j]
-        gradients = np.add.reduceat(pulls, starts)
+        pulls = self._weighted * np.where(self.kept, self.residual_px, 0.0)[:, None]
+        normals, gradients = self.line_normals, np.add.reduceat(pulls, self._starts)
+        if edges is not None:
+            normals, gradients = grouped(normals, edges), grouped(gradients, edges)
         rest = normals.sum(axis=0) - normals
         scale = np.sqrt(np.maximum(np.einsum("lii->li", rest), 0.0))
-        if self.n_lines < 2 or np.any(scale <= 0):
+        if len(rest) < 2 or np.any(scale <= 0):
             return None
         balanced = rest / (scale[:, :, None] * scale[:, None, :])
         if np.min(np.linalg.eigvalsh(balanced)) < _SINGULAR:
@@ -114,6 +136,14 @@ class Linearised:
         """Residuals that kept picks would have, had their line not taken part, shape (n,)."""
         moved = np.einsum("nk,nk->n", self.jacobian, shifts[self.line])
         return np.where(self.kept, self.residual_px + moved, 0.0)
+
+
+def grouped(values: Array, labels: NDArray[np.int64]) -> Array:
+    """Sums of values of shape (l, …) over equal labels, in rising order of the labels."""
+    number, which = np.unique(labels, return_inverse=True)
+    sums = np.zeros((len(number), *values.shape[1:]))
+    np.add.at(sums, which.ravel(), values)
+    return sums
 
 
 def in_frame(observations: Observations, frame: Frame) -> list[Array]:
@@ -129,6 +159,7 @@ def linearise(
     *,
     image: bool,
     richer: tuple[int, ...] = (),
+    nuisances: Nuisances | None = None,
 ) -> Linearised:
     """Residuals and derivatives at a lens.
 
@@ -139,6 +170,7 @@ def linearise(
         kept: Which picks count, line after line.
         image: Whether residuals are measured in the photograph, else in the corrected one.
         richer: Powers of r that a richer model adds.
+        nuisances: What else the lens may do.
     """
     observed_px = np.concatenate(list(lines_px))
     sizes = np.array([len(points) for points in lines_px], dtype=np.int64)
@@ -168,6 +200,9 @@ def linearise(
         jacobian=projected(by_coefficients(lens, free, observed_px, ideal)),
         extra=projected(by_powers(lens, richer, observed_px, ideal))
         if richer
+        else np.zeros((len(line), 0)),
+        besides=projected(nuisances.columns(lens, observed_px, ideal))
+        if nuisances
         else np.zeros((len(line), 0)),
         stretch=stretch,
         along_px=along,

@@ -23,7 +23,7 @@ from zlib import crc32
 import numpy as np
 
 from plumbline.errors import PlumblineError
-from plumbline.ground.adjustment import adjust
+from plumbline.ground.adjusting.adjustment import adjust
 from plumbline.ground.ellipses import CHI_2, standard_errors
 from plumbline.ground.outcome import rectification_of
 from plumbline.ground.rectification import Rectification

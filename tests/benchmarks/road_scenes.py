@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from plumbline.frame import Frame
-from plumbline.ground.network import Focal, GroundLine, Network, Tape
+from plumbline.ground.adjusting.network import Focal, GroundLine, Network, Tape
 from plumbline.ground.optics import Optics
 from plumbline.lenses.mapping import PhotoLens
 from plumbline.models import get_model

@@ -240,7 +240,7 @@ def test_the_input_is_never_overwritten(run: Run) -> None:
     [
         ("none/x.pto", "none/x.pto: the folder does not exist"),
         ("building.pto/x.pto", "building.pto/x.pto: the file cannot be written: Not a directory"),
-        ("folder.pto", "folder.pto: this is no regular file"),
+        ("folder.pto", "folder.pto: this is not a regular file"),
         ("x" * 300 + ".pto", "the file cannot be written: File name too long"),
     ],
 )
@@ -505,8 +505,8 @@ def test_a_missing_file(run: Run) -> None:
             (),
             "bad.pto, row 4: the point (3, -1)",
         ),
-        (image(a="nan") + points(grid()), (), "bad.pto, row 1: 'nan' is no finite number"),
-        (image(v="inf") + points(grid()), (), "bad.pto, row 1: 'inf' is no finite number"),
+        (image(a="nan") + points(grid()), (), "bad.pto, row 1: 'nan' is not a finite number"),
+        (image(v="inf") + points(grid()), (), "bad.pto, row 1: 'inf' is not a finite number"),
         (image(b="x") + points(grid()), (), "bad.pto, row 1: 'x' stands where the value of b"),
         (
             image() + "c n0 N0 x1 y1 X2 Yz t3\n",
@@ -536,7 +536,11 @@ def test_a_missing_file(run: Run) -> None:
         (image() + points(grid()), ("--size", "800x400"), "bad.pto: contradictory sizes"),
         (image() + points(grid()), ("--format", "csv"), "bad.pto"),
         (image() + points(grid()), ("--photo", "none.jpg"), "none.jpg: there is no such photo"),
-        (image() + points(grid()), ("--photo", "bad.pto"), "bad.pto: this is no picture that can"),
+        (
+            image() + points(grid()),
+            ("--photo", "bad.pto"),
+            "bad.pto: this is not a picture that can",
+        ),
         (image() + points(grid()), ("--aspect-ratio", "4:3"), "the aspect ratio 1.333 contradicts"),
     ],
 )

@@ -99,7 +99,7 @@ def test_many_photographs_one_of_them_bad(tmp_path: Path) -> None:
         out = f"out{jobs}"
         done = plumb(tmp_path, "correct", "in", *PTLENS, "-o", out, "--jobs", jobs, status=1)
         assert "Corrected 3 photos, 1 failed: in/bad.jpg." in done.stdout
-        assert "Error: in/bad.jpg: this is no picture that can be read." in done.stderr
+        assert "Error: in/bad.jpg: this is not a picture that can be read." in done.stderr
         written = {
             str(path.relative_to(tmp_path / out)) for path in (tmp_path / out).rglob("*.jpg")
         }
@@ -134,7 +134,7 @@ def test_a_dask_scheduler_does_it(tmp_path: Path) -> None:
         assert address.startswith("tcp://127.0.0.1:")
         done = plumb(tmp_path, "correct", *names, *PTLENS, "--scheduler", address, status=1)
     assert f"Corrected 3 photos, 1 failed: {tmp_path / 'bad.jpg'}." in done.stdout
-    assert f"Error: {tmp_path / 'bad.jpg'}: this is no picture that can be read." in done.stderr
+    assert f"Error: {tmp_path / 'bad.jpg'}: this is not a picture that can be read." in done.stderr
     plumb(tmp_path, "correct", "a.jpg", *PTLENS, "-o", "here.jpg")
     made = (tmp_path / "a_corrected.jpg").read_bytes()
     assert made == (tmp_path / "here.jpg").read_bytes()
@@ -309,7 +309,6 @@ def test_pixels_the_other_way(tmp_path: Path) -> None:
         ),
         (("correct", "a.jpg", *PTLENS, "--focal", "9"), 2, "leave out --focal"),
         (("correct", "a.jpg", "--ptlens", "b=5"), 1, "hardly anything of the photo remains"),
-        (("correct", "a.jpg", *FOLDED, "--scale", "fill"), 1, "cannot fill the frame"),
     ],
 )
 def test_refusals(tmp_path: Path, arguments: tuple[str, ...], status: int, sentence: str) -> None:
@@ -402,3 +401,34 @@ def test_points_beyond_the_fold_are_refused_either_way(tmp_path: Path, inverse: 
     result = plumb(tmp_path, "correct", "--points", "p.csv", *fold, *inverse, status=1)
     assert "folds before it reaches 2 of the points" in result.stderr
     assert sorted(path.name for path in tmp_path.iterdir()) == ["p.csv"]
+
+
+def test_no_line_of_a_decoder_reaches_the_user(tmp_path: Path) -> None:
+    """libjpeg, libpng and libtiff print to the process's standard error by themselves."""
+    photo(tmp_path / "a.jpg")
+    data = (tmp_path / "a.jpg").read_bytes()
+    start = data.index(b"\xff\xda")
+    (tmp_path / "half.jpg").write_bytes(data[: start + (len(data) - start) // 2] + b"\xff\xd9")
+    at = data.index(b"\xff\xd9", start)
+    (tmp_path / "extra.jpg").write_bytes(data[:at] + bytes(50) + data[at:])
+    photo(tmp_path / "a.tif")
+    whole = (tmp_path / "a.tif").read_bytes()
+    (tmp_path / "cut.tif").write_bytes(whole[: len(whole) // 2])
+    for name in ("half.jpg", "cut.tif"):
+        done = plumb(tmp_path, "correct", name, *PTLENS, status=1)
+        assert [line[:7] for line in done.stderr.splitlines() if line[:2] != "  "] == ["Error: "]
+    done = plumb(tmp_path, "correct", "half.jpg", "extra.jpg", *PTLENS, "--jobs", "2", status=1)
+    assert [line[:7] for line in done.stderr.splitlines() if line[:2] != "  "] == ["Error: "]
+
+
+def test_a_folder_tells_what_it_passes_over(tmp_path: Path) -> None:
+    folder = tmp_path / "in"
+    folder.mkdir()
+    photo(folder / "a.jpg")
+    for name in ("a.nef", "b.heic", "c.txt", ".hidden.nef"):
+        (folder / name).write_text("x")
+    done = plumb(tmp_path, "correct", "in", *PTLENS)
+    assert "Passed over 3 other files: " in done.stdout
+    assert "1 .heic" in done.stdout
+    again = plumb(tmp_path, "correct", "in", *PTLENS)
+    assert "Passed over 3 other files: " in again.stdout  # results are not counted

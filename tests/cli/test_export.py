@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from plumbline.result.writing import to_json
 from tests.cli.process import plumbline
 from tests.lenses.made import calibration, saved
 
@@ -83,7 +82,7 @@ def test_options_that_are_taken_show_in_the_file(tmp_path: Path, target: str) ->
 
 def test_one_of_several(tmp_path: Path) -> None:
     path = tmp_path / "r.json"
-    path.write_text(to_json([calibration(b=-0.02, focal_mm=f) for f in (8.0, 9.0)]))
+    saved(path, *(calibration(b=-0.02, focal_mm=f) for f in (8.0, 9.0)))
     done = plumbline("export", path, "--to", "imagemagick", home=tmp_path)
     assert done.returncode == 1
     assert "--image" in done.stderr

@@ -92,3 +92,57 @@ def test_neither_jax_nor_matplotlib_is_loaded(coolpix: Path) -> None:
         [sys.executable, "-c", program], capture_output=True, text=True, check=True
     )
     assert done.stdout.strip() == "set()"
+
+
+def test_what_is_kept_is_listed_and_removed(tmp_path: Path) -> None:
+    assert "You have no calibrations" in plumbline("lens", "list", home=tmp_path).stdout
+    result = saved(tmp_path / "r.json", calibration(b=-0.123))
+    plumbline("lens", "add", result, home=tmp_path)
+    listed = plumbline("lens", "list", home=tmp_path).stdout
+    assert "NIKON E995, no lens named, 8.2 mm" in listed
+    name = listed.splitlines()[0]
+    wrong = plumbline("lens", "remove", "another", home=tmp_path)
+    assert wrong.returncode == 1
+    assert f"there are: {name}" in wrong.stderr
+    assert (
+        "Removed" in plumbline("lens", "remove", name.removesuffix(".json"), home=tmp_path).stdout
+    )
+    assert "You have no calibrations" in plumbline("lens", "list", home=tmp_path).stdout
+    assert plumbline("lens", "list", "more", home=tmp_path).returncode == 2
+    assert plumbline("lens", "remove", home=tmp_path).returncode == 2
+
+
+def test_a_photo_that_fails_stops_nothing(coolpix: Path, tmp_path: Path) -> None:
+    (tmp_path / "bad.jpg").write_text("hello")
+    unknown = photo(tmp_path / "u.jpg", make="NIKON", model="E996", focal=8.2)
+    done = plumbline("lens", tmp_path / "bad.jpg", unknown, coolpix, home=tmp_path)
+    assert done.returncode == 1
+    assert "bad.jpg: this is not a picture that can be read" in done.stderr
+    assert f"{unknown}: the camera NIKON E996 is not in" in done.stderr
+    assert done.stdout.count("Used: ") == 1
+
+
+def test_a_folder_stands_for_its_photos_and_others_are_counted(tmp_path: Path) -> None:
+    folder = tmp_path / "photos"
+    folder.mkdir()
+    for name in ("a.jpg", "b.jpg"):
+        photo(folder / name, (2048, 1536), make="NIKON", model="E995", focal=8.2)
+    for name in ("a.nef", "b.nef", "notes.txt", ".hidden"):
+        (folder / name).write_text("x")
+    done = plumbline("lens", folder, home=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("Used: ") == 2
+    assert "Passed over 3 other files: 2 .nef, 1 .txt." in done.stdout
+
+
+def test_an_own_calibration_is_told_where_the_photo_names_no_lens(
+    coolpix: Path, tmp_path: Path
+) -> None:
+    result = saved(tmp_path / "r.json", calibration(b=-0.123))
+    plumbline("lens", "add", result, home=tmp_path)
+    told = "the photo does not name its lens: your own calibration of this camera was taken"
+    assert told in plumbline("lens", coolpix, home=tmp_path).stdout
+    named = photo(
+        tmp_path / "n.jpg", (2048, 1536), make="NIKON", model="E995", focal=8.2, lens="8.2-31mm"
+    )
+    assert told not in plumbline("lens", named, home=tmp_path).stdout

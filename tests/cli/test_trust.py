@@ -114,7 +114,7 @@ def garbage() -> str:
 def test_check_names_the_picks_that_stop_the_plain_fit(run: Run, garbage: str) -> None:
     done = run("check", garbage, "--size", "1000x1000")
     assert done.status == 1
-    assert "9 picks of line 4 left out" in done.out
+    assert "too few picks of line 4 agree on a straight line" in done.out
     assert "9 picks of 126 are suspicious" in done.out
     assert "plumbline fit --robust leaves them out" in done.err
 
@@ -149,7 +149,7 @@ def test_compare_recommends_and_says_why(run: Run) -> None:
     least = min(row["aicc"] for row in table["candidates"])
     for row in table["candidates"]:
         assert row["delta_aicc"] == row["aicc"] - least
-        assert row["overall_error_px"] >= row["error_px"]
+        assert row["overall_error_px"] > 0
         assert f"{row['delta_aicc']:+.1f}" in done.out
     assert table["quote"] in done.out
 

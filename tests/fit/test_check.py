@@ -42,7 +42,7 @@ def test_a_refused_fit_is_part_of_the_check_with_its_suspects() -> None:
     found = check(spoiled())
     assert isinstance(found.error, DegenerateLinesError)
     assert not found.passed
-    assert {suspect.line for suspect in found.suspects} == {5}
+    assert 5 in {suspect.line for suspect in found.suspects if suspect.left_out}
     assert found.checks[-1].name == "suspects"
     with pytest.raises(DegenerateLinesError) as refused:
         calibrate(spoiled())

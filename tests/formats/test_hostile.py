@@ -21,10 +21,11 @@ from plumbline.errors import ReadError
 from plumbline.formats.base import ReadOptions, Source
 from plumbline.formats.known import FORMATS, POINT_FORMATS, Format
 from plumbline.observations import Observations
+from tests.formats.writers import WRITERS, Lines
 
 X, Y = (10.5, 60.0, 172.5), (20.25, 21.5, 22.0)
 ROI = struct.pack(
-    ">4shBBhhhhH32xhh12x", b"Iout", 228, 5, 0, 20, 10, 24, 180, 3, 0, 128
+    ">4shBBhhhhH30xhh12x", b"Iout", 228, 5, 0, 20, 10, 24, 180, 3, 0, 128
 ) + struct.pack(">6h6f64x", 0, 50, 162, 0, 1, 2, *X, *Y)
 """A polyline of three points, big-endian, as `ij/io/RoiEncoder.java` lays it out."""
 
@@ -50,29 +51,21 @@ PAIRS = "".join(
     for kind in (3, 4)
     for x, y, x2, y2 in ((10, 20.5, 90, 25 + kind), (50, 22, 10, 20.5), (1e1, 30, 70, 3.5e1))
 )
+LINES: Lines = {
+    "roof": [(10.5, 20.25), (60.0, 21.5), (172.5, 22.0)],
+    "left wall": [(5.0, 7.0), (5.5, 80.0), (6.0, 95.5), (4.0, 99.0)],
+}
 OWN = {
     "lenses": [{"maker": "", "focal_mm": 9.2, "stored": {"a": 0.1}, "requested": ["b"]}],
+    "lens": {"maker": ""},
     "photos": [{"name": "a.jpg", "number": 0, "size": [200, 100], "pixel_aspect": 1, "lens": 0}],
     "lines": [{"label": "roof", "photo": 0, "points_px": [[1.5, 2], [3, 4], [5, 6]]}],
     "origins": [{"path": "a.csv", "format": "csv", "sha256": "12ab"}],
     "notes": ["a note"],
 }
-SAMPLES: dict[str, list[bytes]] = {
-    "json": [
-        json.dumps(
-            {"format": "plumbline points", "format_version": 1, "observations": OWN}
-        ).encode(),
-        json.dumps(
-            {
-                "format": "plumbline calibration",
-                "format_version": 1,
-                "calibrations": [
-                    {"observations": OWN | {"lens": OWN["lenses"][0]}},
-                    {"observations": OWN},
-                ],
-            }
-        ).encode(),
-    ],
+RESULT = {"format": "plumbline calibration", "format_version": 1}
+EXTRA: dict[str, list[bytes]] = {
+    "json": [json.dumps(RESULT | {"calibrations": [{"observations": OWN}] * 2}).encode()],
     "pto": [
         (
             "# hugin project file\n#hugin_ptoversion 2\np f0 w100 h80 v50\n"
@@ -128,8 +121,8 @@ SAMPLES: dict[str, list[bytes]] = {
 }
 OPTIONS = [
     ReadOptions(),
-    ReadOptions((2000, 1000)),
-    ReadOptions((2000, 1000), (2, 2), "zigzag"),
+    ReadOptions((800, 600)),
+    ReadOptions((800, 600), (2, 2), "zigzag"),
 ]
 GARBAGE = [
     b"1e999", b"-1e308", b"9" * 5000, b"nan", b"Infinity", b"1_0", "١".encode(), b"\xff\xfe",
@@ -139,7 +132,16 @@ GARBAGE = [
 ]  # fmt: skip
 
 
-"""What is tested; a new row of the table needs at least one file here."""
+"""Files in other manners than those of the writers."""
+
+SAMPLES = {
+    name: [
+        *filter(None, (WRITERS[name](LINES, kind) for kind in ("lines", "picks", "groups"))),
+        *EXTRA.get(name, ()),
+    ]
+    for name in POINT_FORMATS
+}
+"""What is tested, of every row of the table."""
 
 
 def test_every_format_has_a_sample() -> None:
@@ -254,7 +256,7 @@ def test_only_one_format_claims_a_sample(name: str) -> None:
         assert claims == expected
 
 
-SIZE = 2**19
+SIZE = 2**17
 LARGE = {
     "zeros": b"\0",
     "line ends": b"\n",

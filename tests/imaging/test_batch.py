@@ -18,7 +18,7 @@ import plumbline
 from plumbline.errors import OptionError, ReadError
 from plumbline.imaging import batch
 from plumbline.imaging.batch import Outcome, Work, run_in_processes
-from plumbline.imaging.targets import Task, plan
+from plumbline.imaging.targets import PhotoTarget, photo_targets
 from plumbline.lenses.request import LensRequest
 from tests.imaging.painted import texture
 
@@ -35,34 +35,36 @@ def _photos(folder: Path, *names: str, size: tuple[int, int] = (120, 80)) -> Non
 def test_folders_are_searched_and_results_left_out(tmp_path: Path) -> None:
     _photos(tmp_path, "a.jpg", "b.PNG", "sub/a.jpg", "sub/a_corrected.jpg", ".hidden.jpg")
     (tmp_path / "notes.txt").write_text("no picture")
-    photos = {task.photo.relative_to(tmp_path): task.target for task in plan([tmp_path], None)}
+    photos = {
+        task.photo.relative_to(tmp_path): task.target for task in photo_targets([tmp_path], None)
+    }
     assert set(map(str, photos)) == {"a.jpg", "b.PNG", "sub/a.jpg"}
     assert photos[Path("sub/a.jpg")] == tmp_path / "sub" / "a_corrected.jpg"
 
 
 def test_an_output_folder_keeps_the_tree_and_is_not_searched(tmp_path: Path) -> None:
     _photos(tmp_path, "a.jpg", "sub/a.jpg", "out/sub/old.jpg")
-    tasks = plan([tmp_path], tmp_path / "out")
+    tasks = photo_targets([tmp_path], tmp_path / "out")
     assert {task.target for task in tasks} == {
         tmp_path / "out" / "a.jpg",
         tmp_path / "out" / "sub" / "a.jpg",
     }
-    (task,) = plan([tmp_path / "a.jpg"], "elsewhere/", "_x")
+    (task,) = photo_targets([tmp_path / "a.jpg"], "elsewhere/", "_x")
     assert task.target == Path("elsewhere/a_x.jpg")
-    (task,) = plan([tmp_path / "a.jpg"], "b.png")
+    (task,) = photo_targets([tmp_path / "a.jpg"], "b.png")
     assert task.target == Path("b.png")
 
 
 def test_two_differences_do_not_become_one_file(tmp_path: Path) -> None:
     _photos(tmp_path, "a.jpg", "a.png")
-    assert len(plan([tmp_path], None)) == 2
+    assert len(photo_targets([tmp_path], None)) == 2
     with pytest.raises(OptionError, match=r"would both become .*a_corrected_difference\.png"):
-        plan([tmp_path], None, difference=True)
+        photo_targets([tmp_path], None, difference=True)
 
 
 def test_a_photo_with_two_targets_is_written_to_both(tmp_path: Path) -> None:
     _photos(tmp_path, "in/sub/a.jpg")
-    tasks = plan([tmp_path / "in", tmp_path / "in" / "sub" / "a.jpg"], tmp_path / "out")
+    tasks = photo_targets([tmp_path / "in", tmp_path / "in" / "sub" / "a.jpg"], tmp_path / "out")
     targets = {tmp_path / "out" / "a.jpg", tmp_path / "out" / "sub" / "a.jpg"}
     assert {task.target for task in tasks} == targets
     done = list(run_in_processes(tasks, Work(BARREL), ThreadPoolExecutor, 2))
@@ -76,9 +78,9 @@ def test_a_photo_with_two_targets_is_written_to_both(tmp_path: Path) -> None:
 def test_a_result_named_beside_its_original_is_left_out(tmp_path: Path) -> None:
     _photos(tmp_path, "a.jpg", "a_corrected.jpg", "b_corrected.jpg")
     with pytest.raises(OptionError, match=r"a\.jpg would be written over .*a_corrected\.jpg"):
-        plan(sorted(tmp_path.glob("*.jpg")), None)
+        photo_targets(sorted(tmp_path.glob("*.jpg")), None)
     plumbline.correct(tmp_path / "a.jpg", BARREL, overwrite=True)
-    tasks = plan(sorted(tmp_path.glob("*.jpg")), None)
+    tasks = photo_targets(sorted(tmp_path.glob("*.jpg")), None)
     assert [task.photo.name for task in tasks] == ["a.jpg", "b_corrected.jpg"]
 
 
@@ -86,13 +88,13 @@ def test_plans_that_make_no_sense(tmp_path: Path) -> None:
     _photos(tmp_path, "x/a.jpg", "y/a.jpg")
     (tmp_path / "empty").mkdir()
     with pytest.raises(OptionError, match="would both become"):
-        plan([tmp_path / "x" / "a.jpg", tmp_path / "y" / "a.jpg"], tmp_path / "out")
+        photo_targets([tmp_path / "x" / "a.jpg", tmp_path / "y" / "a.jpg"], tmp_path / "out")
     with pytest.raises(OptionError, match="one file for 2"):
-        plan([tmp_path / "x", tmp_path / "y"], tmp_path / "b.jpg")
+        photo_targets([tmp_path / "x", tmp_path / "y"], tmp_path / "b.jpg")
     with pytest.raises(ReadError, match="no picture"):
-        plan([tmp_path / "empty"], None)
+        photo_targets([tmp_path / "empty"], None)
     with pytest.raises(OptionError, match="suffix"):
-        plan([tmp_path / "x"], None, "/../b")
+        photo_targets([tmp_path / "x"], None, "/../b")
 
 
 def _check(outcomes: list[Outcome], folder: Path) -> None:
@@ -100,7 +102,7 @@ def _check(outcomes: list[Outcome], folder: Path) -> None:
     assert states == {"a.jpg": "corrected", "bad.jpg": "failed", "c.jpg": "corrected"}
     (bad,) = (outcome for outcome in outcomes if outcome.state == "failed")
     assert "bad.jpg" in bad.error
-    assert "cannot be read" in bad.error or "no picture" in bad.error
+    assert "cannot be read" in bad.error or "not a picture" in bad.error
     assert bad.hint
     assert [outcome.photo.name for outcome in outcomes] == ["a.jpg", "bad.jpg", "c.jpg"]
     assert (folder / "a_corrected.jpg").exists()
@@ -152,7 +154,7 @@ def test_existing_results_are_skipped_when_asked(tmp_path: Path) -> None:
     assert (tmp_path / "a_corrected.jpg").stat().st_mtime_ns == stamp
 
 
-def _dies_on_bad(task: Task, work: Work) -> Outcome:
+def _dies_on_bad(task: PhotoTarget, work: Work) -> Outcome:
     if task.photo.name == "bad.jpg":
         os.kill(os.getpid(), signal.SIGKILL)
     return batch.do(task, work)
@@ -173,7 +175,9 @@ def test_a_worker_that_dies_takes_only_its_own_photo_with_it(tmp_path: Path) -> 
     def pool(jobs: int) -> Executor:
         return _Pool(jobs, mp_context=get_context("spawn"))
 
-    outcomes = list(run_in_processes(plan([tmp_path], None), Work(BARREL, threads=1), pool, 2))
+    outcomes = list(
+        run_in_processes(photo_targets([tmp_path], None), Work(BARREL, threads=1), pool, 2)
+    )
     failed = [outcome for outcome in outcomes if outcome.state == "failed"]
     assert [outcome.photo.name for outcome in failed] == ["bad.jpg"]
     assert "died" in failed[0].error

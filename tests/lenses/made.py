@@ -15,6 +15,7 @@ from plumbline.observations import Line, Observations, Photo
 from plumbline.observations.facts import LensFacts
 from plumbline.result.calibration import Calibration
 from plumbline.result.writing import to_json
+from plumbline.trust.covariance import covariance_of, sigma_of
 
 
 def calibration(
@@ -33,7 +34,7 @@ def calibration(
     coefficients: Mapping[str, float] | None = None,
     **values: float,
 ) -> Calibration:
-    """A calibration with the values given, and zeros."""
+    """A calibration with the values given, and zeros; its covariance is made up."""
     kind = get_model(model)
     zero = dict.fromkeys((*kind.coefficients, "d", "e"), 0.0)
     every = zero | dict(coefficients or {}) | values
@@ -70,12 +71,17 @@ def calibration(
     return replace(
         made,
         residuals_px=(linear.residual_px,),
-        sigma_px=float(np.sqrt(np.sum(linear.image_px**2) / made.dof)),
+        sigma_px=sigma_of(linear, made.dof),
         rms_corrected_px=float(np.sqrt(np.mean(away_px**2))),
     )
 
 
-def saved(path: Path, made: Calibration) -> str:
-    """Its JSON in a file."""
-    path.write_text(to_json([made]))
+def with_own_covariance(made: Calibration) -> Calibration:
+    """The calibration with the covariance of its picks, as files must have it."""
+    return replace(made, covariance=covariance_of(made.linearised, made.dof)[0])
+
+
+def saved(path: Path, *made: Calibration) -> str:
+    """Their JSON in a file, with the covariance of their picks."""
+    path.write_text(to_json([with_own_covariance(each) for each in made]))
     return str(path)

@@ -18,7 +18,6 @@ from plumbline.lenses.request import LensRequest
 from plumbline.models import get_model
 from plumbline.observations.facts import LensFacts
 from plumbline.photos.exif import PhotoFacts
-from plumbline.result.writing import to_json
 from plumbline.writing.files import export_file
 from plumbline.writing.zoom import read_zoom_lens
 from tests.lenses.made import calibration, saved
@@ -126,7 +125,7 @@ class TestResult:
         path = tmp_path / "r.json"
         one = calibration(b=-0.02, name="one.jpg", focal_mm=None)
         two = calibration(b=-0.04, name="two.jpg", focal_mm=None)
-        path.write_text(to_json([one, two]))
+        saved(path, one, two)
         found = find_correction(shot(name="TWO.JPG"), LensRequest(source=str(path)))
         same(found.distort(POINTS), two.lens.distort(POINTS))
         first = find_correction(shot(name="x.jpg"), LensRequest(source=str(path)))
@@ -136,7 +135,7 @@ class TestResult:
     def test_of_several_the_one_at_the_focal_length(self, tmp_path: Path) -> None:
         path = tmp_path / "r.json"
         one, two = calibration(b=-0.02, focal_mm=8.2), calibration(b=-0.04, focal_mm=12.0)
-        path.write_text(to_json([one, two]))
+        saved(path, one, two)
         found = find_correction(shot(focal_mm=12.1), LensRequest(source=str(path)))
         same(found.distort(POINTS), two.lens.distort(POINTS))
 
@@ -394,3 +393,47 @@ def test_a_fit_without_a_result_is_used_nowhere(
     found = find_correction(shot(), LensRequest())
     assert "LensFun" in found.description
     assert any(sentence in note for note in found.notes)
+
+
+@pytest.mark.parametrize("crop", [1.5, None])
+def test_a_project_of_another_focal_length_is_refused(tmp_path: Path, crop: float | None) -> None:
+    """A field of view of 67.4 degrees on a crop factor of 1.5 is 18 mm, by the diagonal."""
+    width, height = 3000, 2000
+    diagonal_mm = float(np.hypot(36, 24)) / 1.5
+    half = width / 2 / np.hypot(width, height) * diagonal_mm
+    v = float(np.degrees(2 * np.arctan(half / 18)))
+    path = tmp_path / "a.pto"
+    path.write_text(
+        f'# hugin project file\np f0 w{width} h{height} v{v:.6f} n"TIFF_m"\n'
+        f'i w{width} h{height} f0 v{v:.6f} a0 b-0.02 c0 d0 e0 n"other.jpg"\n'
+    )
+
+    def photo_at(focal_mm: float) -> PhotoFacts:
+        facts = LensFacts(camera="Nikon D7100", focal_mm=focal_mm, crop_factor=crop)
+        return PhotoFacts((width, height), facts, maker="NIKON CORPORATION", model="NIKON D7100")
+
+    request = LensRequest(source=str(path))
+    assert find_correction(photo_at(18), request).size == (width, height)
+    with pytest.raises(OptionError, match=r"taken at 105 mm, more than 10 % away from the 1[78]"):
+        find_correction(photo_at(105), request)
+
+
+def test_a_calibration_of_another_lens_is_refused(tmp_path: Path) -> None:
+    made = calibration(b=-0.02, lens="AF-S DX Nikkor 18-55mm f/3.5-5.6G VR")
+    request = LensRequest(source=saved(tmp_path / "r.json", made))
+
+    def named(lens: str, range_mm: tuple[float, float] | None = None) -> PhotoFacts:
+        facts = LensFacts(camera="NIKON E995", model=lens, focal_mm=8.2, crop_factor=4.843)
+        return PhotoFacts((2048, 1536), facts, lens_range_mm=range_mm)
+
+    with pytest.raises(OptionError, match=r"is of the lens .*18-55mm.*, the photo of .*50mm") as e:
+        find_correction(named("AF-S Nikkor 50mm f/1.8G"), request)
+    assert "--lens-name" in e.value.hint
+    with pytest.raises(OptionError, match="the photo of one of 70 to 200 mm"):
+        find_correction(named("", (70.0, 200.0)), request)
+    other = find_correction(named("18.0-55.0 mm f/3.5-5.6"), request)
+    assert any("taken as one" in note for note in other.notes)
+    same = find_correction(named("AF-S DX Nikkor 18-55mm f/3.5-5.6G VR"), request)
+    assert not any("taken as one" in note for note in same.notes)
+    told = LensRequest(source=request.source, lens_name=made.observations.lenses[0].model)
+    find_correction(named("AF-S Nikkor 50mm f/1.8G"), told)

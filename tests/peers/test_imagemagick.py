@@ -1,11 +1,13 @@
-"""ImageMagick's Barrel with the fitted coefficients puts points where plumbline puts them."""
+"""ImageMagick's Barrel puts points where plumbline puts them, by itself and in our script."""
 
 from __future__ import annotations
 
+import subprocess
 from pathlib import Path
 
 import numpy as np
 
+from plumbline.formats.lens_files.imagemagick import barrel as script_of
 from plumbline.frame import Array, Frame
 from plumbline.geometry.lens import Lens
 from plumbline.models import get_model
@@ -63,3 +65,34 @@ def test_barrel_moves_dots_to_their_ideal_places(tmp_path: Path) -> None:
     corrected = _read_pgm(tmp_path / "corrected.pgm")
     found = np.array([_centroid(corrected, point) for point in ideal])
     assert np.max(np.hypot(*(found - ideal).T)) < 0.05
+
+
+def test_the_script_fits_smaller_photos_and_refuses_others(tmp_path: Path) -> None:
+    """A centre in shares of the sides: a lens for twice the size, run on this one."""
+    program("convert-im6.q16", "magick")
+    centre = {"d": 40.0, "e": -24.0}
+    whole = Frame(2 * SIZE[0], 2 * SIZE[1])
+    abc = tuple(COEFFICIENTS[name] for name in "abc")
+    (tmp_path / "fix.sh").write_bytes(script_of(abc, whole, (40.0, -24.0), "a lens"))
+    halved = {name: value / 2 for name, value in centre.items()}
+    lens = Lens(get_model("ptlens"), Frame(*SIZE), COEFFICIENTS | halved)
+    gx, gy = np.meshgrid(np.linspace(80, SIZE[0] - 81, 5), np.linspace(80, SIZE[1] - 81, 4))
+    ideal = np.stack((gx.ravel(), gy.ravel()), axis=1)
+    _write_pgm(tmp_path / "observed.pgm", _dots(lens.distort(ideal)))
+    run(["sh", str(tmp_path / "fix.sh"), str(tmp_path / "observed.pgm"), str(tmp_path / "b.pgm")])
+    corrected = _read_pgm(tmp_path / "b.pgm")
+    # The script's centre lies on both sides: the picture moves by it.
+    moved = ideal + np.array([halved["d"], halved["e"]])
+    found = np.array([_centroid(corrected, each) for each in moved])
+    assert np.max(np.hypot(*(found - moved).T)) < 0.1
+    _, rows = SIZE
+    (tmp_path / "tall.pgm").write_bytes(b"P5 %d 900 255\n" % rows + bytes(rows * 900))
+    done = subprocess.run(
+        ["sh", str(tmp_path / "fix.sh"), str(tmp_path / "tall.pgm"), str(tmp_path / "c.pgm")],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 1
+    assert "not a whole photo that lies as 1802x1200 does" in done.stderr
+    assert not (tmp_path / "c.pgm").exists()

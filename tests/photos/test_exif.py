@@ -158,11 +158,11 @@ def test_what_is_no_photo_is_refused_with_a_remedy(tmp_path: Path) -> None:
     (tmp_path / "loop.jpg").symlink_to("loop.jpg")
     for name, sentence in {
         "none.jpg": "there is no such photo",
-        "text.jpg": "this is no picture that can be read",
-        "empty.jpg": "this is no picture that can be read",
+        "text.jpg": "this is not a picture that can be read",
+        "empty.jpg": "this is not a picture that can be read",
         "bomb.png": "more pixels than any camera",
-        "folder.jpg": "this is no file",
-        "pipe.jpg": "this is no file",
+        "folder.jpg": "this is not a file",
+        "pipe.jpg": "this is not a file",
         "loop.jpg": "the photo cannot be read: Too many levels of symbolic links",
         "x" * 300: "the photo cannot be read: File name too long",
     }.items():

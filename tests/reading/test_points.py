@@ -269,7 +269,9 @@ def test_short_lines_and_duplicates_are_set_aside_with_a_note(folder: Path) -> N
 
 
 def test_several_files_are_photos_of_one_lens(folder: Path) -> None:
-    parts = [read(put(f"{i}.csv", CSV.replace(",1", f",{i}")), size=(100, 80)) for i in range(3)]
+    for i in range(3):
+        put(f"{i}.csv", CSV.replace("left,1", f"left,{i}").replace("roof,5", f"roof,{i}"))
+    parts = [read(f"{i}.csv", size=(100, 80)) for i in range(3)]
     whole = join(parts)
     assert len(whole.lenses) == 1
     assert [photo.lens for photo in whole.photos] == [0, 0, 0]

@@ -54,7 +54,8 @@ def test_found_beside_the_result_before_the_points(tmp_path: Path) -> None:
         assert found.pictures[0] is not None
         assert found.pictures[0].path == path
         assert found.pictures[0].sha256 == hashlib.sha256(path.read_bytes()).hexdigest()
-        assert not found.notes
+        (note,) = found.notes
+        assert "is the picture that the points were picked in is not known" in note
 
 
 @pytest.mark.parametrize("name", [r"C:\photos\facade.jpg", "/elsewhere/facade.jpg", "a/facade.jpg"])

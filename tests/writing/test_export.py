@@ -13,6 +13,7 @@ import pytest
 from PIL import Image
 
 from plumbline.errors import OptionError
+from plumbline.formats.known import FORMATS
 from plumbline.frame import Array, Frame
 from plumbline.geometry.lens import Lens
 from plumbline.lenses.lookup import find_correction
@@ -71,7 +72,7 @@ def test_what_plumbline_writes_it_finds_again(
 ) -> None:
     lens = stored(coefficients=ABC | shift)
     made = export(lens, name)
-    path = tmp_path / f"lens{TARGETS[name].suffix}"
+    path = tmp_path / f"lens{FORMATS[name].suffixes[0]}"
     path.write_bytes(made.content)
     found = find_correction(SHOT, LensRequest(source=str(path)))
     # LensFun centres both sides, PTLens knows no centre.

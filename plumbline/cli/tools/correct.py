@@ -13,11 +13,12 @@ import click
 
 from plumbline.errors import OptionError, printable
 from plumbline.files import read_bytes
-from plumbline.imaging.batch import Outcome, Work, run, run_in_processes
+from plumbline.imaging.batch import Outcome, Work, run, run_in_processes, with_lens_names
 from plumbline.imaging.correct import Corrected, correct_file, correction_for
+from plumbline.imaging.quiet import libraries_silenced
 from plumbline.imaging.resample import cores
 from plumbline.imaging.settings import Settings
-from plumbline.imaging.targets import SUFFIX, Task, plan, refuse_suffix
+from plumbline.imaging.targets import SUFFIX, PhotoTarget, passed_over, photo_targets, refuse_suffix
 from plumbline.lenses.request import LensRequest
 from plumbline.wording import count, listed
 
@@ -26,10 +27,15 @@ _SETTINGS = ("interpolation", "scale", "border", "quality", "inverse", "differen
 
 def pictures(sources: Sequence[str], request: LensRequest, how: Mapping[str, Any]) -> None:
     """Correct photographs, and say what was done; status 1 if one of them failed."""
+    with libraries_silenced():
+        _pictures(sources, request, how)
+
+
+def _pictures(sources: Sequence[str], request: LensRequest, how: Mapping[str, Any]) -> None:
     if how["scheduler"] and request.source:  # workers have a working folder of their own
         request = replace(request, source=str(Path(request.source).absolute()))
     settings = Settings(**{name: how[name] for name in _SETTINGS})
-    tasks = plan(sources, how["output"], how["suffix"], difference=settings.difference)
+    tasks = photo_targets(sources, how["output"], how["suffix"], difference=settings.difference)
     single = len(sources) == len(tasks) == 1 and not Path(sources[0]).is_dir()
     here = single and not how["scheduler"]
     if here and not (how["skip_existing"] and tasks[0].target.exists()):
@@ -42,19 +48,23 @@ def pictures(sources: Sequence[str], request: LensRequest, how: Mapping[str, Any
     if request.source is not None and not Path(request.source).is_dir():
         read_bytes(request.source)  # what is wrong with it is told once, not for every photo
     work = Work(request, settings, how["overwrite"], how["skip_existing"])
-    failed = _many(tasks, work, how)
+    failed = _many(tasks, with_lens_names(tasks, work), how)
+    over = passed_over(sources, how["output"], how["suffix"])
+    if over and not how["quiet"]:
+        kinds = listed([f"{number:,} {kind}" for kind, number in over.items()])
+        click.echo(f"Passed over {count(sum(over.values()), 'other file')}: {kinds}.")
     if failed:
         sys.exit(1)
 
 
-def _make_folder(task: Task, output: str | None) -> None:
+def _make_folder(task: PhotoTarget, output: str | None) -> None:
     """Make the folder that -o names, but not the one that a file is to lie in."""
     if output is not None and task.target != Path(output):
         try:
             task.target.parent.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise OptionError(
-                f"the folder {output} cannot be made: {error.strerror}", hint="choose another -o"
+                f"the folder {output} cannot be created: {error.strerror}", hint="choose another -o"
             ) from None
 
 
@@ -67,7 +77,7 @@ def _tell(done: Corrected, *, quiet: bool) -> None:
         click.echo(f"Wrote {printable(str(path))}, used: {printable(done.description)}")
 
 
-def _many(tasks: Sequence[Task], work: Work, how: Mapping[str, Any]) -> list[Outcome]:
+def _many(tasks: Sequence[PhotoTarget], work: Work, how: Mapping[str, Any]) -> list[Outcome]:
     """Correct a batch under a progress bar; the photographs that failed."""
     outcomes: list[Outcome] = []
     with _workers(tasks, work, how) as results:
@@ -99,14 +109,16 @@ def _tell_failure(outcome: Outcome) -> None:
 
 @contextmanager
 def _workers(
-    tasks: Sequence[Task], work: Work, how: Mapping[str, Any]
+    tasks: Sequence[PhotoTarget], work: Work, how: Mapping[str, Any]
 ) -> Generator[Iterable[Outcome]]:
     """The outcomes, from a cluster, from processes, or from this process."""
     if how["scheduler"]:
         from plumbline.imaging.workers import dask_client
 
         with dask_client(how["scheduler"]) as client:
-            absolute = [Task(task.photo.absolute(), task.target.absolute()) for task in tasks]
+            absolute = [
+                PhotoTarget(task.photo.absolute(), task.target.absolute()) for task in tasks
+            ]
             pool = client.get_executor(pure=False)
             yield run(absolute, replace(work, threads=1), pool)
         return

@@ -43,6 +43,8 @@ def deliver(
     output: Sequence[str],
     report: str | None,
     plots: Sequence[str],
+    case: str | None,
+    examiner: str | None,
     overwrite: bool,
     as_json: bool,
     verbose: bool,
@@ -59,6 +61,8 @@ def deliver(
         output: Results that the user names.
         report: The page, if any.
         plots: Single figures.
+        case: Name or number of the case, for the page.
+        examiner: Who calibrated, for the page.
         overwrite: Replace files that plumbline did not write.
         as_json: Print JSON, and notes to the standard error.
         verbose: List every line.
@@ -76,7 +80,14 @@ def deliver(
     unseen: list[str] = []
     if report is not None or plots:
         figures, unseen = draw(
-            calibrations, report, plots, narration, photo=photo, overwrite=overwrite
+            calibrations,
+            report,
+            plots,
+            narration,
+            photo=photo,
+            case=case or "",
+            examiner=examiner or "",
+            overwrite=overwrite,
         )
         drawn |= figures
     written, notes = write_results(calibrations, output, source, drawn, overwrite=overwrite)

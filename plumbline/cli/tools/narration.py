@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from copy import copy
 from typing import TYPE_CHECKING
 
-from plumbline.errors import PlumblineError
+import click
+
+from plumbline.errors import PlumblineError, printable
 from plumbline.wording import listed
 
 if TYPE_CHECKING:
@@ -63,3 +65,9 @@ def name_the_source(error: PlumblineError, part: Observations, n_parts: int) -> 
     told = copy(error)
     told.message, told.args = message, (message,)
     return told
+
+
+def tell_notes(parts: Sequence[Observations]) -> None:
+    """Print what reading assumed, left aside or counted once."""
+    for note in dict.fromkeys(note for part in parts for note in part.notes):
+        click.echo(f"Note: {printable(note)}.", err=True)

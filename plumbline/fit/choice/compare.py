@@ -9,13 +9,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from plumbline.errors import DegenerateLinesError, PlumblineError
+from plumbline.fit.choice.determined import determined
 from plumbline.fit.choice.reasons import beyond, left_out, quote, reason
 from plumbline.fit.choice.recommend import choose
+from plumbline.fit.choice.rows import ROWS, Row
 from plumbline.fit.outcome import finish
 from plumbline.fit.problem import Problem, prepare
 from plumbline.fit.program.solve import solve
@@ -26,44 +28,16 @@ from plumbline.observations import Observations
 from plumbline.result.calibration import Calibration
 from plumbline.result.comparison import Candidate, Comparison
 from plumbline.trust.displacement import displacement_errors, grid_px
-from plumbline.trust.linearised import in_frame
+from plumbline.trust.picked import picked_range_px
 from plumbline.wording import listed
 
 _GRID = 17
+"""Points along a side of the photo: chosen, as for the range of the picks."""
 _MOST_NAMED = 3
+"""Chosen, because a sentence that names more is not read."""
 _FINEST_PX = 0.001
 """Residuals below this are rounding, and no reason to prefer a model."""
 
-
-@dataclass(frozen=True)
-class _Row:
-    name: str
-    model: str
-    free: tuple[str, ...]
-
-    @property
-    def equals(self) -> tuple[str, ...]:
-        """The same in other words."""
-        others = get_model(self.model).in_other_words(self.free)
-        return (f"{self.model} {', '.join(self.free)}",) if self.name in others else others
-
-
-ROWS = (
-    _Row("ptlens b", "ptlens", ("b",)),
-    _Row("radial:2", "brown", ("k1",)),
-    _Row("division l1", "division", ("l1",)),
-    _Row("poly5", "poly5", ("k1", "k2")),
-    _Row("radial:2,4", "brown", ("k1", "k2")),
-    _Row("division l1, l2", "division", ("l1", "l2")),
-    _Row("ptlens a, b, c", "ptlens", ("a", "b", "c")),
-    _Row("radial:2,4,6", "brown", ("k1", "k2", "k3")),
-    _Row("ptlens b with centre", "ptlens", ("b", *CENTRE)),
-    _Row("ptlens with centre", "ptlens", ("a", "b", "c", *CENTRE)),
-    _Row("radial:2,4,6 with centre", "brown", ("k1", "k2", "k3", *CENTRE)),
-    _Row("brown", "brown", ("k1", "k2", "k3", "p1", "p2")),
-    _Row("brown with centre", "brown", ("k1", "k2", "k3", "p1", "p2", *CENTRE)),
-)
-"""What is compared, simple models first. Models that are the same in other words are one row."""
 
 _HELD, _FREED = "ptlens a, b, c", "ptlens with centre"
 
@@ -101,7 +75,7 @@ def compare(
     _prepared(observations, ROWS[0])  # what no model can be fitted to is refused at once
     picks = _believed(observations) if robust else observations
 
-    def fitted(row: _Row) -> Candidate:
+    def fitted(row: Row) -> Candidate:
         made = _fitted(picks, row)
         if done is not None:
             done()
@@ -112,22 +86,30 @@ def compare(
     usable = [each.calibration for each in candidates if each.aicc is not None]
     if not usable or usable[0] is None:
         raise _refusal(candidates[0].failure, _robust(picks))
-    points_px = picked_range_px(usable[0])
-    choice = choose(candidates, points_px)
+    points_px = _range_px(usable[0])
+    choice = choose(determined(candidates, points_px), points_px)
     table = list(choice.candidates)
     taken = table[choice.recommended]
     # The same fit again, now with its suspicious picks.
     named = fit_one(observations, taken.model, free=taken.free, robust=robust)
     table[choice.recommended] = replace(taken, calibration=named)
     return Comparison(
-        candidates=tuple(table),
+        candidates=tuple(map(_quoting, table)),
         best=choice.best,
         recommended=choice.recommended,
         reason=reason(choice),
-        quote=quote(choice),
+        quote=quote(named),
         beyond=beyond(choice, points_px, grid_px(usable[0].lens, _GRID)),
         centre=_centre(choice.candidates),
     )
+
+
+def _quoting(candidate: Candidate) -> Candidate:
+    """The row with the one error to quote, that of its fit."""
+    quoted = None if candidate.calibration is None else candidate.calibration.quoted
+    if quoted is None or candidate.aicc is None:
+        return replace(candidate, overall_error_px=None)
+    return replace(candidate, overall_error_px=quoted.worst_px)
 
 
 def _believed(observations: Observations) -> Observations:
@@ -167,26 +149,20 @@ def _refusal(failure: str, found: Calibration | PlumblineError) -> DegenerateLin
         )
     return DegenerateLinesError(
         f"no model can be fitted: {failure}; suspicious: {listed(wrong, _MOST_NAMED)}",
-        hint="mend these picks, or leave them out with --robust",
+        hint="correct these picks, or leave them out with --robust",
     )
 
 
-def picked_range_px(made: Calibration) -> Array:
-    """Points all over the photo, as far out as picks reach, shape (n, 2)."""
-    frame = made.lens.frame
-    grid = frame.normalise(grid_px(made.lens, _GRID))
-    picks = frame.normalise(np.concatenate(in_frame(made.observations, frame)))
-    reached = float(np.max(np.hypot(*picks.T)))
-    # Where no pick comes near the photo's edges the grid is laid over what they reach.
-    grid *= np.minimum(1.0, reached / np.max(grid, axis=0))
-    return frame.to_pixels(grid[np.hypot(*grid.T) <= reached])
+def _range_px(made: Calibration) -> Array:
+    """Points within the range of the picks, shape (n, 2)."""
+    return picked_range_px(made.lens, made.observations)
 
 
-def _prepared(observations: Observations, row: _Row) -> Problem:
+def _prepared(observations: Observations, row: Row) -> Problem:
     return prepare(observations, get_model(row.model), row.free, (), None, "image")
 
 
-def _fitted(observations: Observations, row: _Row) -> Candidate:
+def _fitted(observations: Observations, row: Row) -> Candidate:
     candidate = Candidate(row.name, row.equals, row.model, row.free, None)
     try:
         problem = _prepared(observations, row)
@@ -215,7 +191,7 @@ def _criterion(made: Calibration) -> float:
 
 def _error_px(made: Calibration) -> float | None:
     """The largest standard error within the range of the picks; None if the model folds there."""
-    points_px = picked_range_px(made)
+    points_px = _range_px(made)
     covariances = [made.covariance]
     if made.jackknife is not None:
         covariances.append(made.jackknife.covariance)

@@ -13,10 +13,12 @@ from plumbline.fit.choice.recommend import (
     ruled_out,
 )
 from plumbline.frame import Array
+from plumbline.result.calibration import Calibration
 from plumbline.result.comparison import Candidate
 from plumbline.wording import px
 
 _MUCH = 2.0
+"""How many times farther models part beyond the picks before it is told: chosen."""
 
 
 def reason(choice: Choice) -> str:
@@ -82,22 +84,9 @@ def left_out(one: Candidate, other: Candidate) -> str:
     )
 
 
-def quote(choice: Choice) -> str:
-    """Which error to quote with the recommended row."""
-    taken = choice.candidates[choice.recommended]
-    overall_px, own_px = taken.overall_error_px, error_px(taken)
-    if overall_px is None or not isfinite(aicc(taken)):
-        return ""
-    told = (
-        f"allowing for the choice of the model, quote a standard error of {px(overall_px)} within "
-        "the range of the picks"
-    )
-    if px(overall_px) == px(own_px):
-        return f"{told}: the other models do not add to that of {taken.name}"
-    return (
-        f"{told}: {px(own_px)} is that of {taken.name} itself, the rest is what the models that "
-        "the picks do not rule out disagree by"
-    )
+def quote(made: Calibration) -> str:
+    """Which error to quote with a fit; empty where its model folds among the picks."""
+    return "" if made.quoted is None else made.quoted.sentence
 
 
 def beyond(choice: Choice, points_px: Array, photo_px: Array) -> str:

@@ -24,8 +24,12 @@ from plumbline.models.base import Model
 from plumbline.models.inverse import REACH
 
 _TOLERANCE = 1e-10
-_SMALL_STEP = 1e-4
+"""Chosen a hundred times finer than what `is_settled` asks for."""
+_SMALL_STEP_PX = 1.0
+"""Change of all residuals together below which the last step is taken untried: chosen, since the
+search only ends where far less is left, or after its last step."""
 _MOST_STEPS = 200
+"""Chosen, because a staged start takes 5 to 20; what takes more does not converge."""
 
 
 def minimise(model: Model, centre: bool, task: Task) -> Solution:
@@ -39,12 +43,13 @@ def minimise(model: Model, centre: bool, task: Task) -> Solution:
     task = jax.tree.map(jnp.asarray, task)
     found = staged_start(model, task.block, task.start, task.free, task.gauge_radius)
     y0 = jnp.where(task.staged & task.free, found, task.start)
+    scale = _scale(model, centre, y0, task)
     solver = PreciseLevenbergMarquardt(rtol=_TOLERANCE, atol=_TOLERANCE)
     solution = optx.least_squares(
         partial(_condensed, model, centre),
         solver,
-        y0,
-        task,
+        y0 / scale,
+        (task, scale),
         has_aux=True,
         max_steps=_MOST_STEPS,
         throw=False,
@@ -54,9 +59,9 @@ def minimise(model: Model, centre: bool, task: Task) -> Solution:
         (jnp.linalg.cholesky(products.normal), True), products.gradient
     )
     # One more Gauss–Newton step, for which the derivative is at hand already.
-    last = jnp.max(jnp.abs(step))
-    step = jnp.where(task.free & (last < _SMALL_STEP), step, 0.0)
-    final = jnp.where(task.free, solution.value + step, task.start)
+    last = jnp.sqrt(jnp.maximum(step @ products.normal @ step, 0.0)) * task.unit_px
+    step = jnp.where(task.free & (last < _SMALL_STEP_PX), step * scale, 0.0)
+    final = jnp.where(task.free, solution.value * scale + step, task.start)
     at = residuals(model, final, task.block, task.unit_px, REACH * task.corner)
     counts = task.block.weight > 0
     beyond = at.excess > 0
@@ -70,14 +75,24 @@ def minimise(model: Model, centre: bool, task: Task) -> Solution:
         jnp.sum(at.corrected**2),
         jnp.sum(scales) / jnp.sum(counts.astype(scales.dtype)),
         jnp.sum(folded),
-        products.normal * task.unit_px**2,
+        products.normal * task.unit_px**2 / (scale[:, None] * scale),
         last,
         solution.stats["num_steps"],
     )
 
 
+def _scale(model: Model, centre: bool, y: jax.Array, task: Task) -> jax.Array:
+    """What each coefficient is measured in, so that all move the residuals alike.
+
+    A coefficient of r⁶ in focal lengths of a long lens is worth a millionth of one of r².
+    """
+    slopes = jnp.sqrt(jnp.diag(_products(model, centre, y, task, jnp.ones_like(y)).normal))
+    known = jnp.isfinite(slopes) & (slopes > 0)
+    return jnp.where(known, 1 / jnp.where(known, slopes, 1.0), 1.0)
+
+
 class _Products(NamedTuple):
-    """JᵀJ, Jᵀr and rᵀr of the residuals r in normalised units.
+    """JᵀJ, Jᵀr and rᵀr of the residuals r in normalised units, by scaled coefficients.
 
     Held coefficients have a one on the diagonal of JᵀJ, which keeps its full rank.
     """
@@ -88,9 +103,9 @@ class _Products(NamedTuple):
 
 
 @partial(jax.jit, static_argnums=(0, 1))
-def _products(model: Model, centre: bool, y: jax.Array, task: Task) -> _Products:
+def _products(model: Model, centre: bool, y: jax.Array, task: Task, scale: jax.Array) -> _Products:
     def fitted(y: jax.Array) -> jax.Array:
-        held = jnp.where(task.free, y, task.start)
+        held = jnp.where(task.free, y * scale, task.start)
         at = residuals(model, held, task.block, task.unit_px, REACH * task.corner)
         return jnp.where(task.image, at.image, at.corrected) / task.unit_px
 
@@ -107,14 +122,16 @@ def _products(model: Model, centre: bool, y: jax.Array, task: Task) -> _Products
 
 
 @partial(jax.custom_jvp, nondiff_argnums=(0, 1))
-def _condensed(model: Model, centre: bool, y: jax.Array, task: Task) -> tuple[jax.Array, _Products]:
+def _condensed(
+    model: Model, centre: bool, y: jax.Array, args: tuple[Task, jax.Array]
+) -> tuple[jax.Array, _Products]:
     """A residual of k + 1 numbers that the solver cannot tell from that of all points.
 
     Levenberg–Marquardt sees a residual r and its derivative J only through rᵀr, Jᵀr and JᵀJ.
     The Cholesky factor of [J r]ᵀ[J r] gives k + 1 numbers with the same three products, however
     many points there are. The products come along as the second value.
     """
-    value, _, products = _condense(model, centre, y, task)
+    value, _, products = _condense(model, centre, y, *args)
     return value, products
 
 
@@ -122,17 +139,18 @@ def _condensed(model: Model, centre: bool, y: jax.Array, task: Task) -> tuple[ja
 def _condensed_jvp(
     model: Model,
     centre: bool,
-    primals: tuple[jax.Array, Task],
-    tangents: tuple[jax.Array, Task],
+    primals: tuple[jax.Array, tuple[Task, jax.Array]],
+    tangents: tuple[jax.Array, tuple[Task, jax.Array]],
 ) -> tuple[Any, Any]:
-    value, jacobian, products = _condense(model, centre, *primals)
+    y, args = primals
+    value, jacobian, products = _condense(model, centre, y, *args)
     return (value, products), (jacobian @ tangents[0], jax.tree.map(jnp.zeros_like, products))
 
 
 def _condense(
-    model: Model, centre: bool, y: jax.Array, task: Task
+    model: Model, centre: bool, y: jax.Array, task: Task, scale: jax.Array
 ) -> tuple[jax.Array, jax.Array, _Products]:
-    products = _products(model, centre, y, task)
+    products = _products(model, centre, y, task, scale)
     lower = jnp.linalg.cholesky(products.normal)
     top = jax.scipy.linalg.solve_triangular(lower, products.gradient, lower=True)
     rest = jnp.sqrt(jnp.maximum(products.cost - top @ top, 0.0))

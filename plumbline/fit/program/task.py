@@ -65,8 +65,8 @@ class Solution(NamedTuple):
         folded: How many points lie beyond the fold of the model.
         normal: JᵀJ of the kind that was minimised, (k + 2, k + 2), in pixels; a one on the
             diagonal for held coefficients.
-        last_step: The largest change of a coefficient in the last Gauss–Newton step; close to 0
-            at a minimum.
+        last_step_px: By how much the last Gauss–Newton step changes all residuals together, the
+            root of the sum of squares; close to 0 at a minimum, whatever the coefficients' units.
         steps: Steps the solver took.
     """
 
@@ -78,7 +78,7 @@ class Solution(NamedTuple):
     scale: AnyArray
     folded: AnyArray
     normal: AnyArray
-    last_step: AnyArray
+    last_step_px: AnyArray
     steps: AnyArray
 
 

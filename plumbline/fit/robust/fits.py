@@ -26,11 +26,13 @@ from plumbline.fit.program.task import Solution
 from plumbline.fit.robust.agreement import LEAST, Agreed, agree
 from plumbline.fit.robust.oddities import bends, twins
 from plumbline.fit.robust.rivals import contested, excuses
-from plumbline.fit.robust.screening import FINEST_PX, Picks, Screened, picks_at, reach, screen
+from plumbline.fit.robust.screening import Picks, Screened, finest, picks_at, reach, screen
 from plumbline.fit.robust.search import beginnings
+from plumbline.fit.robust.worth import explains_more, rounded
 from plumbline.trust.linearised import in_frame, linearise
 
 _MOST_ROUNDS = 12
+"""Chosen, because lens and picks settle in three to five."""
 _MASKED, _MANY, _WILD = 0.8, 0.02, 1 / 300
 """Bad picks may be hiding each other where they are more than the second share and leave to the
 others less than the first share of the plain fit's σ̂, or where that exceeds the third share of R.
@@ -38,6 +40,7 @@ others less than the first share of the plain fit's σ̂, or where that exceeds 
 _SHARES = 1.0, 0.7, 0.5
 """Of σ̂, which wrong picks among the believed ones make too large."""
 _NO_EXCUSE = 1e-9
+"""Rounding of a logarithm."""
 _WRONG = 0.1
 """Width of the band that wrong picks fall into, as a share of R."""
 
@@ -85,7 +88,11 @@ def robust_fits(
             many = np.count_nonzero(kept) < (1 - _MANY) * len(kept)
             masked = wild or (many and not screened.sigma_px[index] > _MASKED * plain_px)
             beliefs = _beliefs(problem, solution) if masked else [kept]
-            made.append(_best(problem, beliefs, _SHARES if masked else _SHARES[:1]))
+            best = _best(problem, beliefs, _SHARES if masked else _SHARES[:1])
+            spared = isinstance(best, Robust) and not _explains_more(best, problem, solution)
+            made.append(_at(problem, solution, _SHARES[:1]) if spared and odd[index] else best)
+            if spared and not odd[index]:
+                made[-1] = None
         elif odd[index]:
             made.append(_at(problem, solution, _SHARES[:1]))
         else:
@@ -98,11 +105,38 @@ def _odd(picks: Picks, screened: Screened) -> NDArray[np.bool_]:
     of_line = picks.problem[np.cumsum(picks.sizes) - picks.sizes]
     along, _ = screened.lines.place(picks.ideal.uv, picks.line)
     away = screened.distance_px
-    _, bent = bends(picks.line, along, away, screened.sigma_px[of_line])
+    _, bent = bends(
+        picks.line, along, away, screened.sigma_px[of_line], rounded(picks.finest_px)[of_line]
+    )
     odd = np.zeros(len(picks.n_free), dtype=np.bool_)
     odd[of_line[bent]] = True
     odd[picks.problem[twins(picks.line, along, away)[:, 0]]] = True
     return odd
+
+
+def _explains_more(best: Robust, problem: Problem, plain: Solution) -> bool:
+    """Whether wrong picks explain the plain fit better than careless ones; see `worth`."""
+    if int(plain.folded) or _bent(best):
+        return True
+    finest_px = finest(problem)
+    wrong = int(np.count_nonzero(~best.problem.kept))
+    return explains_more(
+        (max(_sigma_px(problem, plain), finest_px), problem.dof),
+        (max(_sigma_px(best.problem, best.solution), finest_px), best.problem.dof),
+        len(problem.kept),
+        wrong,
+        _wrong_px(problem),
+    )
+
+
+def _bent(best: Robust) -> bool:
+    """Whether a line that picks are left out of bends by itself: these err together."""
+    along, _ = best.agreed.lines.place(best.picks.ideal.uv, best.picks.line)
+    sigma_px = max(_sigma_px(best.problem, best.solution), finest(best.problem))
+    of_line = np.full(len(best.picks.sizes), sigma_px)
+    rounding_px = rounded(best.picks.finest_px)
+    found = bends(best.picks.line, along, best.agreed.distance_px, of_line, rounding_px)
+    return bool(np.any(found.bent[best.picks.line[~best.problem.kept]]))
 
 
 def _beliefs(problem: Problem, plain: Solution) -> list[NDArray[np.bool_]]:
@@ -166,7 +200,7 @@ def _at(problem: Problem, solution: Solution, shares: tuple[float, ...]) -> Robu
     picks = picks_at([problem], [solution])
     wrong_px, far = _wrong_px(problem), reach(problem.dof, len(problem.kept))
     photos = np.array([line.photo for line in problem.observations.lines])
-    sigmas = [max(share * _sigma_px(problem, solution), FINEST_PX) for share in shares]
+    sigmas = [max(share * _sigma_px(problem, solution), finest(problem)) for share in shares]
     every = [agree(picks, sigma_px, wrong_px, far) for sigma_px in sigmas]
     likeliest = int(np.argmax([each.evidence for each in every]))
     agreed, sigma_px = every[likeliest], sigmas[likeliest]
@@ -195,7 +229,7 @@ def _by_leverage(found: Robust) -> NDArray[np.bool_]:
     lines_px = in_frame(believed.observations, lens.frame)
     linear = linearise(lens, lines_px, free, believed.kept, image=True)
     square = float(np.sum(linear.residual_px[linear.kept] ** 2))
-    sigma_px = max(float(np.sqrt(square / believed.dof)), FINEST_PX)
+    sigma_px = max(float(np.sqrt(square / believed.dof)), finest(believed))
     near = np.abs(linear.studentised(sigma_px)) < reach(believed.dof, len(linear.line))
     line, n_lines, agreed = linear.line, linear.n_lines, found.agreed
     known = np.bincount(line, believed.kept & agreed.kept, n_lines) > 0

@@ -10,6 +10,11 @@ from numpy.typing import NDArray
 from plumbline.frame import Array
 
 _BEND, _EXPLAINED, _LEAST_PICKS = 5.0, 0.8, 5
+"""Standard errors of a bend, the share of the residuals that it explains, and the fewest picks
+that show one: chosen, so that clean lines hardly ever do (`tests.benchmarks.spoiled`)."""
+_ROUNDED_BENDS = 3.5
+"""Bends of less, in standard deviations of rounding, may be rounding alone: an edge a little
+askew is rounded up for a stretch and down for the next, a pixel at most in all."""
 _SAME_PLACE_PX, _SAME_SHARE = 1.0, 0.1
 
 
@@ -25,7 +30,13 @@ class Bends(NamedTuple):
     bent: NDArray[np.bool_]
 
 
-def bends(line: NDArray[np.int64], along: Array, distance_px: Array, sigma_px: Array) -> Bends:
+def bends(
+    line: NDArray[np.int64],
+    along: Array,
+    distance_px: Array,
+    sigma_px: Array,
+    rounded_px: Array | float = 0.0,
+) -> Bends:
     """Look for lines whose picks follow a parabola much better than a straight line.
 
     Args:
@@ -33,6 +44,7 @@ def bends(line: NDArray[np.int64], along: Array, distance_px: Array, sigma_px: A
         along: Position along the line, shape (n,).
         distance_px: Distance from the line, shape (n,); infinite ones do not count.
         sigma_px: σ of one pick of each line, shape (l,).
+        rounded_px: The part of it that is rounding, whose errors go together along a line.
     """
     n = len(sigma_px)
     known = np.isfinite(distance_px)
@@ -61,7 +73,11 @@ def bends(line: NDArray[np.int64], along: Array, distance_px: Array, sigma_px: A
     starts = np.searchsorted(line, np.arange(n))
     length = np.maximum.reduceat(t, starts) - np.minimum.reduceat(t, starts)
     bend_px = np.abs(curve) * (length / 2) ** 2
-    bent = (number >= _LEAST_PICKS) & (np.abs(curve) * np.sqrt(size) > _BEND * error)
+    bent = (
+        (bend_px > _ROUNDED_BENDS * rounded_px)
+        & (number >= _LEAST_PICKS)
+        & (np.abs(curve) * np.sqrt(size) > _BEND * error)
+    )
     return Bends(bend_px, bent & (explained > _EXPLAINED * whole))
 
 

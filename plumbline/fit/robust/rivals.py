@@ -32,7 +32,9 @@ def excuses(
     """
     told = np.zeros(len(picks.line))
     split = np.bincount(picks.line, ~agreed.kept, len(photos)) > 0
-    which = np.flatnonzero(split[picks.line] & np.isfinite(agreed.distance_px))
+    which = np.flatnonzero(
+        split[picks.line] & np.isfinite(agreed.distance_px) & ~_crossings(picks, photos)
+    )
     nearest_px = np.full(len(which), np.inf)
     for other in np.flatnonzero(agreed.lines.count >= LEAST).tolist():
         rival = (picks.line[which] != other) & (photos[picks.line[which]] == photos[other])
@@ -43,6 +45,13 @@ def excuses(
     dense = np.exp(-((nearest_px / sigma_px) ** 2) / 2) / (np.sqrt(2 * np.pi) * sigma_px)
     told[which] = np.log1p(_OFTEN * wrong_px * dense)
     return told
+
+
+def _crossings(picks: Picks, photos: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Which picks stand on two lines of a photo, (n,): corners of a grid lie on both by design."""
+    place = np.column_stack((picks.ideal.uv, photos[picks.line]))
+    _, which, times = np.unique(place, axis=0, return_inverse=True, return_counts=True)
+    return times[which.ravel()] > 1
 
 
 def contested(

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from plumbline.fit.problem import Problem
 from plumbline.fit.program.blocks import unpack
 from plumbline.fit.program.task import Solution
+from plumbline.fit.robust.worth import ROUNDED_PX
 from plumbline.frame import Array
 from plumbline.geometry.derivatives import Ideal
 from plumbline.geometry.lines import Lines, fit_lines, line_numbers
@@ -26,12 +27,18 @@ from plumbline.trust.linearised import across_stretch
 from plumbline.trust.student import quantile
 
 _PAIRS = 10
+"""Chosen, because one good pair of ten is certain but for 1 in 1,000 with half the picks wrong."""
 _CHUNK = 1 << 15
+"""Distances held at a time: chosen, to fit a processor's cache."""
 _ROUNDS = 2
+"""Chosen, because the kept picks no longer change after two."""
 BEYOND = 2.5
 """How far beyond a line's own spread a pick may lie along it and still belong to it."""
 _MOST_VOTES = 256
+"""Picks of a line that take part in the median: chosen, enough to know it to a tenth."""
 _MOST_OF_MIDDLE, _MOST_OF_FIRST = 1.3, 1.6
+"""How much larger than from the middle of the residuals σ may be: chosen, because good picks
+scatter the ratio by less (`tests.benchmarks.spoiled`)."""
 _EXACT = 2  # each least-median line runs through two picks, which tell nothing of σ
 FINEST_PX = 0.01
 """Nobody picks better than this; below, rounding is no reason for suspicion."""
@@ -47,6 +54,7 @@ class Picks:
         line: Line of each pick, counted over all problems.
         problem: Problem of each pick.
         n_free: Number of free coefficients of each problem.
+        finest_px: The least σ that the picks of each problem can have.
     """
 
     ideal: Ideal
@@ -54,6 +62,7 @@ class Picks:
     line: NDArray[np.int64]
     problem: NDArray[np.int64]
     n_free: NDArray[np.int64]
+    finest_px: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +97,18 @@ def picks_at(problems: Sequence[Problem], solutions: Sequence[Solution]) -> Pick
     slopes = model.stretch(observed - found[:, -2:], ideal, found[:, :-2].T)
     sizes = np.concatenate([problem.packed.sizes for problem in problems])
     n_free = np.array([len(problem.plan.free) for problem in problems])
-    return Picks(Ideal(ideal * units, slopes), sizes, line_numbers(sizes), of_problem, n_free)
+    finest_px = np.array([finest(problem) for problem in problems])
+    ideal_px = Ideal(ideal * units, slopes)
+    return Picks(ideal_px, sizes, line_numbers(sizes), of_problem, n_free, finest_px)
+
+
+def finest(problem: Problem) -> float:
+    """The least σ that picks can have: rounding, where all coordinates are whole numbers."""
+    whole = all(
+        np.array_equal(line.points_px, np.rint(line.points_px))
+        for line in problem.observations.lines
+    )
+    return ROUNDED_PX if whole else FINEST_PX
 
 
 def screen(picks: Picks) -> Screened:
@@ -211,13 +231,13 @@ def _middle(picks: Picks, distance_px: Array, exact: int) -> Array:
     nothing = exact * lines_of
     rank = np.minimum(nothing + (counts - nothing) // 2, counts - 1)
     middle = ordered[np.arange(n_problems), rank]
-    return np.maximum(np.where(np.isfinite(middle), 1.4826 * middle, np.inf), FINEST_PX)
+    return np.maximum(np.where(np.isfinite(middle), 1.4826 * middle, np.inf), picks.finest_px)
 
 
 def _sigma(picks: Picks, kept: NDArray[np.bool_], distance_px: Array) -> Array:
     square = np.where(kept, distance_px, 0.0) ** 2
     total = np.bincount(picks.problem, square, len(picks.n_free))
-    return np.maximum(np.sqrt(total / _dof(picks, kept)), FINEST_PX)
+    return np.maximum(np.sqrt(total / _dof(picks, kept)), picks.finest_px)
 
 
 def _dof(picks: Picks, kept: NDArray[np.bool_]) -> NDArray[np.int64]:

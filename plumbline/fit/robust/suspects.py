@@ -14,6 +14,7 @@ from plumbline.fit.robust.agreement import LEAST
 from plumbline.fit.robust.fits import Robust
 from plumbline.fit.robust.oddities import bends, twins
 from plumbline.fit.robust.screening import BEYOND, Picks, reach
+from plumbline.fit.robust.worth import rounded
 from plumbline.frame import Array
 from plumbline.geometry.derivatives import Ideal
 from plumbline.geometry.lines import Lines
@@ -89,7 +90,8 @@ def suspects_of(made: Calibration, found: Robust) -> tuple[Suspect, ...]:
     )
     kept = np.concatenate(made.kept)
     sigma_px = np.full(linear.n_lines, made.sigma_px)
-    bend_px, bent = bends(linear.line, linear.along_px, linear.image_px, sigma_px)
+    rounding_px = rounded(found.picks.finest_px)
+    bend_px, bent = bends(linear.line, linear.along_px, linear.image_px, sigma_px, rounding_px)
     away = {int(n): _other_line(scene, int(n)) for n in np.flatnonzero(~kept)}
     unsure = ~kept & ~found.agreed.kept & ~found.agreed.wrong
     unclear = set(np.flatnonzero(unsure).tolist())
@@ -168,8 +170,8 @@ def _lost_line(scene: _Scene, line: int, unclear: set[int]) -> Suspect | None:
         float(np.max(np.abs(scene.distance_px[rows]))),
         float(np.max(np.abs(scene.studentised[rows]))),
         True,
-        f"{count(len(rows), 'pick')} of {scene.name(line)} left out: too few of its picks agree on "
-        "a straight line of their own",
+        f"too few picks of {scene.name(line)} agree on a straight line: {count(len(rows), 'pick')} "
+        "of it tell nothing",
     )
 
 

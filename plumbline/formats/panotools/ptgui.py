@@ -1,4 +1,4 @@
-"""Projects of PTGui up to version 11 and of PTAssembler: Panorama Tools text, read only.
+"""Projects of PTGui and PTAssembler: Panorama Tools text, read only.
 
     # ptGui project file
     #-fileversion 49
@@ -11,7 +11,7 @@
 
 The dummy image holds the lens values, and `=0` means it. From file version 8 on, the image
 numbers of control points count the dummy. `v` records name variables without a number for the
-dummy. Newer `.pts` files are JSON, which is refused with a sentence. Source: files of PTGui 4 to
+dummy. From version 11 on `.pts` files are JSON (`ptgui_json`). Source: files of PTGui 4 to
 9; coordinates are taken as Panorama Tools', which are plumbline's own.
 """
 
@@ -23,6 +23,7 @@ from dataclasses import dataclass, field, replace
 from plumbline.formats.base import ReadOptions, Source
 from plumbline.formats.panotools.control_points import collect_lines
 from plumbline.formats.panotools.point_records import ControlPoints, take_points
+from plumbline.formats.panotools.ptgui_json import is_json, read_json
 from plumbline.formats.panotools.pto import refuse_moved_centre
 from plumbline.formats.panotools.script import ImageRecord, kind_of, parse_image, readable
 from plumbline.observations import Observations, Photo
@@ -50,15 +51,16 @@ def recognises(source: Source) -> bool:
     """Whether the file is a project of PTGui or PTAssembler."""
     head = source.head.lstrip()
     return head.startswith("# ptGui") or (
-        source.suffix == ".pts" and (head.startswith("{") or "#-imgfile" in head)
+        (source.suffix == ".pts" and (head.startswith("{") or "#-imgfile" in head))
+        or is_json(source)
     )
 
 
 def _parse(source: Source) -> _Project:
-    if source.head.lstrip().startswith("{"):
+    if is_json(source):
         raise source.error(
-            "this is a project of PTGui 12 or newer (JSON), which is not read",
-            hint="pick the points in Hugin or another viewer, or save them as CSV: line,x,y",
+            "the lens of a project of PTGui 11 or newer (JSON) is not read, only its points",
+            hint="fit its straight lines, or export the project for Panorama Tools",
         )
     points, rest = take_points(source)
     project = _Project(points)
@@ -109,6 +111,8 @@ def read(source: Source, _options: ReadOptions) -> Observations:
     Raises:
         ReadError: a record is damaged, or there is no image.
     """
+    if is_json(source):
+        return read_json(source)
     project = _parse(source)
     first = 1 if project.has_dummy else 0
     images = project.images[first:]

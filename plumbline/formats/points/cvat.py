@@ -7,9 +7,11 @@
       </image>
     </annotations>
 
-Every polyline is one line; a label is a class name, so that one which occurs twice makes two
-lines. Kept: labels, coordinates, names and sizes of the photos. Dropped: other shapes (a note
-says which), attributes, tags, photos without polylines.
+Every polyline, and every points shape of three clicks or more, is one line; a label is a class
+name, so that one which occurs twice makes two lines. Points of fewer clicks that share a group or
+else a label are one line. The download of a task is a zip, which is read as it is. Kept: labels,
+coordinates, names and sizes of the photos. Dropped: other shapes (a note says which), attributes,
+tags, photos without them.
 
 CVAT draws in SVG over the photo, where (0, 0) is the corner of the first pixel and the last
 corner is (width, height) (its issue 9973 shows a point dragged to 1920,1080 of a 1920x1080
@@ -21,7 +23,7 @@ from __future__ import annotations
 import re
 
 from plumbline.formats.base import ReadOptions, Source
-from plumbline.formats.points.lines import LineGatherer, Size, declared_size
+from plumbline.formats.points.lines import FEWEST, LineGatherer, Size, declared_size
 from plumbline.formats.xmltext import Element, parsed, row_of
 from plumbline.observations import Observations
 
@@ -49,18 +51,21 @@ def read(source: Source, _options: ReadOptions) -> Observations:
     for number, image in enumerate(root.findall("image"), start=1):
         size = _size(source, image)
         for shape in image:
-            if shape.tag == "polyline":
-                gatherer.add(
-                    _points(source, shape),
-                    shape.get("label", ""),
-                    photo=number,
-                    photo_name=image.get("name", ""),
-                    size=size,
-                    rows=row_of(shape),
+            label, row = shape.get("label", ""), row_of(shape)
+            name = image.get("name", "")
+            if shape.tag not in {"polyline", "points"}:
+                if shape.tag != "tag":
+                    gatherer.leave_aside(str(shape.tag))
+                continue
+            points = _points(source, shape)
+            if shape.tag == "polyline" or len(points) >= FEWEST:
+                gatherer.add(points, label, photo=number, photo_name=name, size=size, rows=row)
+            else:
+                group = shape.get("group_id", "") or None
+                gatherer.pick(
+                    points, label, group=group, photo=number, photo_name=name, size=size, row=row
                 )
-            elif isinstance(shape.tag, str) and shape.tag != "tag":
-                gatherer.leave_aside(shape.tag)
-    return gatherer.observations("polylines")
+    return gatherer.observations("polylines and points")
 
 
 def recognises(source: Source) -> bool:

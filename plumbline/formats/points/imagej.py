@@ -4,7 +4,7 @@
     1,0,10.500,20.500,0,4           11.2500	120.0000       a polyline each, or points
     2,0,11.250,120.000,1,4
 
-- Results table (Analyze > Measure on points, Results.csv): columns X and Y exactly so named;
+- Results table (Analyze > Measure on points, Results.csv): columns X and Y, or XM and YM;
   the points of one line share the values of Group, Counter, ROI, Slice and Frame, as far as
   these vary, or else the Label. Points with Group 0 belong to no group and are left aside.
 - XY coordinates (File > Save As): two columns without a header, one line a file. The plain
@@ -33,6 +33,7 @@ from plumbline.observations import Observations
 from plumbline.wording import count
 
 MAX_LENGTH = 16 * 2**20
+_MEASURED = {"Area", "Mean", "Min", "Max", "StdDev", "Angle", "Length", "Perim.", "%Area"}
 _KEYS = ("Group", "Counter", "ROI", "Slice", "Frame")
 _OTHERS = {"Area", "Mean", "Min", "Max", "Mode", "StdDev", "Count", "Ch", "Label", *_KEYS}
 _HINT = (
@@ -43,9 +44,20 @@ _HINT = (
 
 def is_results_header(cells: Sequence[str]) -> bool:
     """Whether a row of stripped cells heads an ImageJ Results table."""
-    if "X" not in cells or "Y" not in cells or "line" in map(str.lower, cells):
+    if _axes(cells) is None and len(_MEASURED.intersection(cells)) < 2:
         return False
-    return cells[0] == "" or not _OTHERS.isdisjoint(cells)
+    if "line" in map(str.lower, cells):
+        return False
+    known = {"", "X", "Y", "XM", "YM", *_OTHERS}
+    return not _OTHERS.isdisjoint(cells) or (cells[0] == "" and known.issuperset(cells))
+
+
+def _axes(cells: Sequence[str]) -> tuple[int, int] | None:
+    """The columns of the coordinates: centroid, or centre of mass, which of a point is the same."""
+    for x, y in (("X", "Y"), ("XM", "YM")):
+        if x in cells and y in cells:
+            return cells.index(x), cells.index(y)
+    return None
 
 
 def read(source: Source, _options: ReadOptions) -> Observations:
@@ -60,16 +72,19 @@ def read(source: Source, _options: ReadOptions) -> Observations:
         return read_selections(source)
     table = Table.of(source, comments=False)
     if len(table.text) > MAX_LENGTH:
-        raise source.error(f"a table of {len(table.text):,} characters is no Results table")
+        raise source.error(f"a table of {len(table.text):,} characters is not a Results table")
     rows = [row for row in table.rows() if any(map(str.strip, row[1]))]
     header = [cell.strip() for cell in rows[0][1]] if rows else []
     gatherer = LineGatherer(source)
-    if "X" in header and "Y" in header:
-        _gather_results(table, header, rows[1:], gatherer)
+    if (axes := _axes(header)) is not None:
+        _gather_results(table, header, rows[1:], axes, gatherer)
     else:
         if len(header) != 2:
             raise source.error(
-                "the columns X and Y are missing", 1, "save X and Y, or XY coordinates"
+                "the Results table has no columns X and Y",
+                1,
+                "tick Centroid in Analyze > Set Measurements and measure again, or save the "
+                "selections from the ROI Manager (More > Save)",
             )
         points = _coordinates(table, rows, 0, 1)
         gatherer.add(points, rows=[at for at, _ in rows])
@@ -88,11 +103,15 @@ def recognises(source: Source) -> bool:
 
 
 def _gather_results(
-    table: Table, header: list[str], rows: list[Row], gatherer: LineGatherer
+    table: Table,
+    header: list[str],
+    rows: list[Row],
+    axes: tuple[int, int],
+    gatherer: LineGatherer,
 ) -> None:
     if not rows:
         raise table.source.error("the Results table holds no points", hint=_HINT)
-    points = _coordinates(table, rows, header.index("X"), header.index("Y"))
+    points = _coordinates(table, rows, *axes)
     columns = _grouping(table, header, rows)
     groups: dict[tuple[str, ...], list[int]] = {}
     for index, (_, cells) in enumerate(rows):

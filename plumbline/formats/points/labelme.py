@@ -5,8 +5,9 @@
      "imagePath": "wall.jpg", "imageHeight": 1536, "imageWidth": 2048}
 
 Every shape of type linestrip, line or points is one line; a label that occurs twice makes two
-lines. Kept: labels, coordinates, the photo's name and size. Dropped: other shapes (a note
-says which), flags, the embedded photo.
+lines. Shapes of type point that share a label and `group_id` are one line. Kept: labels,
+coordinates, the photo's name and size. Dropped: other shapes (a note says which), flags, the
+embedded photo.
 
 labelme draws on a canvas where (0, 0) is the corner of the first pixel and keeps the place of
 the mouse over the zoom (`labelme/widgets/canvas.py`, transformPos; its issue 1226 has
@@ -20,7 +21,7 @@ from plumbline.formats.jsontext import as_list, as_number, as_object, as_text, p
 from plumbline.formats.points.lines import LineGatherer, Size, declared_size
 from plumbline.observations import Observations
 
-_LINES = {"linestrip", "line", "points"}
+_READ = {"linestrip", "line", "points", "point"}
 
 
 def read(source: Source, _options: ReadOptions) -> Observations:
@@ -38,13 +39,18 @@ def read(source: Source, _options: ReadOptions) -> Observations:
         shape = as_object(source, value, f"shape {number}")
         # labelme itself takes a shape without a type for a polygon.
         kind = as_text(shape.get("shape_type")) or "polygon"
-        if kind not in _LINES:
+        if kind not in _READ:
             gatherer.leave_aside(kind)
             continue
         points = _points(source, shape.get("points"), f"shape {number}")
         label = as_text(shape.get("label"))
-        gatherer.add(points, label, photo_name=name, size=size)
-    return gatherer.observations("linestrip, line and points")
+        if kind == "point":
+            group = as_text(shape.get("group_id"))
+            key = (label, group) if group else None
+            gatherer.pick(points, label, group=key, photo_name=name, size=size)
+        else:
+            gatherer.add(points, label, photo_name=name, size=size)
+    return gatherer.observations("linestrip, line, points and point")
 
 
 def recognises(source: Source) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Hashable
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,6 +15,8 @@ from plumbline.wording import count, listed
 
 MAX_LABEL = 120
 MAX_PICKED_LINES = 200_000
+FEWEST = 3
+"""Points that make a line of one shape; fewer are single picks, gathered by their label."""
 Size = tuple[int, int]
 
 
@@ -42,6 +45,18 @@ class UniqueLabels:
         return wanted
 
 
+@dataclass
+class _Picks:
+    """Single picks of one line."""
+
+    label: str
+    photo: Hashable
+    photo_name: str
+    size: Size | None
+    points: list[list[float]] = field(default_factory=list[list[float]])
+    rows: list[int | None] = field(default_factory=list["int | None"])
+
+
 class LineGatherer:
     """Collects the lines of one file and the photos they lie on.
 
@@ -55,10 +70,11 @@ class LineGatherer:
         self.notes: list[str] = []
         self._shift_px = shift_px
         self._photos: dict[Hashable, int] = {}
-        self._made: list[Photo] = []
+        self._gathered: list[Photo] = []
         self._lines: list[Line] = []
         self._labels = UniqueLabels()
         self._aside: Counter[str] = Counter()
+        self._picks: dict[Hashable, _Picks] = {}
 
     def add(
         self,
@@ -90,22 +106,51 @@ class LineGatherer:
                 hint="give the picks of one photo or a few at a time",
             )
         index = self._photo(photo, photo_name, size)
-        made = np.asarray(points, dtype=np.float64).reshape(-1, 2)
+        given = np.asarray(points, dtype=np.float64).reshape(-1, 2)
         numbers = None
         if rows is not None:
-            numbers = np.broadcast_to(np.asarray(rows, dtype=np.int64), len(made)).copy()
-        finite = np.isfinite(made).all(axis=1)
+            numbers = np.broadcast_to(np.asarray(rows, dtype=np.int64), len(given)).copy()
+        finite = np.isfinite(given).all(axis=1)
         if not finite.all():
             worst = int(np.argmin(finite))
             line = None if numbers is None else int(numbers[worst])
+            name = clean_label(label) or len(self._lines) + 1
             raise self.source.error(
-                f"a point of line {clean_label(label) or len(self._lines) + 1} is no finite number",
+                f"a point of line {name} is not a finite number",
                 line,
                 "correct or remove it",
             )
         name = self._labels(label, index)
-        shifted = made + self._shift_px if self._shift_px else made  # keeps a negative zero
+        shifted = given + self._shift_px if self._shift_px else given  # keeps a negative zero
         self._lines.append(Line(shifted, index, name, numbers))
+
+    def pick(
+        self,
+        points: ArrayLike,
+        label: str,
+        *,
+        group: Hashable = None,
+        photo: Hashable = "",
+        photo_name: str = "",
+        size: Size | None = None,
+        row: int | None = None,
+    ) -> None:
+        """Add picks that stand by themselves; those of one group on one photo make a line.
+
+        Args:
+            points: Shape (n, 2) or (2,), as the program counts them.
+            label: The name of the line.
+            group: What tells its line from others; the label if None.
+            photo: What tells its photo from others.
+            photo_name: The photo's file name.
+            size: The photo's size as the file declares it.
+            row: The row of the file where the picks stand.
+        """
+        key = (photo, label if group is None else group)
+        line = self._picks.setdefault(key, _Picks(label, photo, photo_name, size))
+        for point in np.asarray(points, dtype=np.float64).reshape(-1, 2).tolist():
+            line.points.append(point)
+            line.rows.append(row)
 
     def leave_aside(self, kind: str) -> None:
         """Count a shape that is not read, by its kind."""
@@ -120,6 +165,17 @@ class LineGatherer:
         Raises:
             ReadError: there is no line.
         """
+        for line in self._picks.values():
+            rows = [row for row in line.rows if row is not None]
+            self.add(
+                line.points,
+                line.label,
+                photo=line.photo,
+                photo_name=line.photo_name,
+                size=line.size,
+                rows=rows if len(rows) == len(line.points) else None,
+            )
+        self._picks.clear()
         kinds = [f"{n:,} × {kind}" for kind, n in sorted(self._aside.items())]
         if kinds:
             total = count(self._aside.total(), "shape")
@@ -129,13 +185,13 @@ class LineGatherer:
                 "the file holds no line of points" + (f" but {listed(kinds)}" if kinds else ""),
                 hint=f"draw each straight edge; only {read_kinds} are read" if read_kinds else "",
             )
-        return Observations(tuple(self._made), tuple(self._lines), notes=tuple(self.notes))
+        return Observations(tuple(self._gathered), tuple(self._lines), notes=tuple(self.notes))
 
     def _photo(self, key: Hashable, name: str, size: Size | None) -> int:
         index = self._photos.get(key)
         if index is None:
-            index = self._photos[key] = len(self._made)
-            self._made.append(Photo(size, clean_label(name)))
+            index = self._photos[key] = len(self._gathered)
+            self._gathered.append(Photo(size, clean_label(name)))
         return index
 
 

@@ -117,7 +117,7 @@ def write(observations: Observations) -> bytes:
         },
     }
     text = json.dumps(whole, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-    # A file name that is no text is written in JSON's own escapes and reads back as it was.
+    # A file name that is not text is written in JSON's own escapes and reads back as it was.
     return text.encode("utf-8", "backslashreplace")
 
 

@@ -8,11 +8,11 @@
                               "all_points_y": [20, 21]},
          "region_attributes": {"line": "roof"}}]}}}
 
-The JSON may also be the object of images alone, and `regions` an object by number (version
-1). Every polyline is one line, every file name a photo of the one lens; the label is the
-region's attribute line, label or name, or its only one. Kept: labels, coordinates, file
-names. Dropped: other shapes (a note says which), other attributes. The size of the photo is
-not in the file: VIA's `size` counts bytes.
+The JSON may also be the object of images alone, and `regions` an object by number (version 1).
+Every polyline is one line, points that share a label are one line, every file name a photo of the
+one lens; the label is the region's attribute line, label or name, or its only one. Kept: labels,
+coordinates, file names. Dropped: other shapes (a note says which), other attributes. The size of
+the photo is not in the file: VIA's `size` counts bytes.
 
 VIA draws on a canvas where (0, 0) is the corner of the first pixel and rounds the place of
 the mouse times the scale to whole numbers (`via-2.x.y/via.js`), so 0.5 is subtracted here.
@@ -20,9 +20,11 @@ the mouse times the scale to whole numbers (`via-2.x.y/via.js`), so 0.5 is subtr
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from plumbline.errors import ReadError
 from plumbline.formats.base import ReadOptions, Source
 from plumbline.formats.jsontext import (
     Object,
@@ -37,6 +39,7 @@ from plumbline.formats.points.table import Table
 from plumbline.observations import Observations
 
 _LABELS = ("line", "label", "name")
+_UNDEFINED = re.compile(r"(?<=:)\s*undefined(?=\s*[,}])")
 _SHAPE, _REGION = "region_shape_attributes", "region_attributes"
 
 
@@ -60,6 +63,11 @@ def read(source: Source, _options: ReadOptions) -> Observations:
     gatherer = LineGatherer(source, shift_px=-0.5)
     for region in _regions_of_json(source) if is_json else _regions_of_table(source):
         kind = as_text(region.shape.get("name"))
+        if kind == "point":
+            point = [_number(source, region, key) for key in ("cx", "cy")]
+            label, name = _label(region.attributes), region.photo[0]
+            gatherer.pick(point, label, photo=region.photo, photo_name=name, row=region.line)
+            continue
         if kind != "polyline":
             gatherer.leave_aside(kind)
             continue
@@ -70,7 +78,7 @@ def read(source: Source, _options: ReadOptions) -> Observations:
             photo_name=region.photo[0],
             rows=region.line,
         )
-    return gatherer.observations("polylines")
+    return gatherer.observations("polylines and points")
 
 
 def recognises(source: Source) -> bool:
@@ -86,7 +94,7 @@ def recognises(source: Source) -> bool:
 
 
 def _regions_of_json(source: Source) -> Iterator[_Region]:
-    top = as_object(source, parsed(source, source.text()), "the file")
+    top = as_object(source, parsed(source, _defined(source.text())), "the file")
     images = as_object(source, top.get("_via_img_metadata", top), "the list of images")
     for key, value in images.items():
         image = as_object(source, value, "an image")
@@ -123,9 +131,26 @@ def _regions_of_table(source: Source) -> Iterator[_Region]:
         if text in {"", "{}"}:
             continue  # a photo without regions
         shape = as_object(source, parsed(source, text, at), _SHAPE, at)
-        attributes = parsed(source, cells.get(_REGION, "").strip() or "{}", at)
+        attributes = _attributes(source, cells.get(_REGION, ""), at)
         photo = (cells.get("filename", "").strip(), cells.get("file_size", ""))
         yield _Region(photo, shape, attributes, at)
+
+
+def _attributes(source: Source, text: str, line: int) -> object:
+    """The attributes of a region, of which only the label is wanted: broken ones cost no more."""
+    try:
+        return parsed(source, _defined(text.strip() or "{}"), line)
+    except ReadError:
+        return None
+
+
+def _defined(text: str) -> str:
+    """JSON in which VIA wrote the attributes that were never set as `undefined`."""
+    return _UNDEFINED.sub("null", text)
+
+
+def _number(source: Source, region: _Region, key: str) -> float:
+    return as_number(source, region.shape.get(key), f"'{key}'", region.line)
 
 
 def _label(attributes: object) -> str:

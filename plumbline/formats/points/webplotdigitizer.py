@@ -42,7 +42,7 @@ def read(source: Source, _options: ReadOptions) -> Observations:
     """One line a dataset.
 
     Raises:
-        ReadError: the first rows are no names over X and Y, or a value is missing.
+        ReadError: the first rows are not names over X and Y, or a value is missing.
     """
     table = Table.of(source, comments=False)
     rows = (row for row in table.rows() if any(map(str.strip, row[1])))
@@ -62,7 +62,7 @@ def read(source: Source, _options: ReadOptions) -> Observations:
 def recognises(source: Source) -> bool:
     """Whether names stand over every second column and X, Y, X, Y … below them."""
     rows = Table.opening(source, comments=False).first_rows(2)
-    return len(rows) == 2 and any(rows[0]) and _is_axes(rows[1]) and not any(rows[0][1::2])
+    return len(rows) == 2 and any(rows[0]) and _is_axes(rows[1]) and _is_names(rows[0])
 
 
 def _is_axes(cells: Sequence[str]) -> bool:
@@ -73,13 +73,20 @@ def _is_axes(cells: Sequence[str]) -> bool:
     return len(named) >= 2 and len(named) % 2 == 0 and named == ["X", "Y"] * (len(named) // 2)
 
 
+def _is_names(cells: Sequence[str]) -> bool:
+    """Whether each name stands over X alone, or over X and Y alike."""
+    named = [cell.strip() for cell in cells]
+    pairs = zip(named[::2], [*named[1::2], ""], strict=False)
+    return all(second in {"", first} for first, second in pairs)
+
+
 def _datasets(source: Source, names: list[str], axes: list[str], line: int) -> list[_Dataset]:
     if not _is_axes(axes):
         raise source.error("the second row is not X, Y, X, Y …", line, _HINT)
     number = sum(1 for cell in axes if cell.strip()) // 2
     if number > MAX_DATASETS:
         raise source.error(f"{number:,} datasets are more than are read", line, _HINT)
-    if any(map(str.strip, names[1::2])) or any(map(str.strip, names[2 * number :])):
+    if not _is_names(names) or any(map(str.strip, names[2 * number :])):
         raise source.error("the names of the first row do not stand over each X", 1, _HINT)
     titles = names[::2] + [""] * number
     return [_Dataset(title) for title in titles[:number]]

@@ -19,7 +19,7 @@ from plumbline.formats.base import Source, shown
 from plumbline.formats.points.lines import clean_label
 from plumbline.formats.points.table import Table
 from plumbline.frame import Array
-from plumbline.ground.network import GroundLine
+from plumbline.ground.adjusting.network import GroundLine
 from plumbline.observations import Observations
 from plumbline.wording import listed
 

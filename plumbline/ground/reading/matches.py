@@ -38,6 +38,8 @@ MOST_POINTS = 300
 
 _HINT = "give the columns x,y,X,Y,name: pixels in the photo, metres on the ground, and a name"
 _EDGE_PX = 0.5
+_LARGEST = 1e9
+"""No map has larger coordinates, in metres or in pixels."""
 
 _ALIASES = {
     "x": ("x", "px", "pixelx", "sourcex", "pixel x", "pixel_x", "image x", "col", "column"),
@@ -225,8 +227,10 @@ def _numbers(
         values = tuple(number(text) for text in texts)
     except ValueError:
         raise table.bad_number(texts, row) from None
-    if not all(map(math.isfinite, values)) or max(map(abs, values)) > 1e12:
+    if not all(map(math.isfinite, values)):
         raise table.bad_number(texts, row)
+    if max(map(abs, values)) > _LARGEST:
+        raise table.source.error("a coordinate is impossibly large", row, "correct it")
     return values
 
 

@@ -14,7 +14,7 @@ from plumbline.files import read_bytes
 from plumbline.formats.base import Source, shown
 from plumbline.formats.points.lines import clean_label
 from plumbline.formats.points.table import Table
-from plumbline.ground.network import Tape
+from plumbline.ground.adjusting.network import Tape
 from plumbline.wording import listed
 
 MOST_TAPES = 2_000

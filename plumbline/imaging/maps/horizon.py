@@ -18,10 +18,10 @@ from plumbline.frame import Array
 
 Points = Callable[[Array], Array]
 
-_RAYS = 32
-_SAMPLES = 256
+_RAYS = 32  # chosen: the horizon of a shifted centre is smooth
+_SAMPLES = 256  # points along a ray; chosen, one in every few pixels of a fold's width
 _BISECTIONS = 20  # halves the longest ray of 2^15 px down to 0.03 px
-_MARGIN_PX = 0.5
+_MARGIN_PX = 0.5  # keeps kernels off the fold itself; chosen, half a pixel
 
 
 @dataclass(frozen=True)

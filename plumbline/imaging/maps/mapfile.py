@@ -23,7 +23,6 @@ from plumbline.imaging.maps.sampling import fold_notes, sampling_of
 from plumbline.imaging.maps.sampling_map import NOWHERE, SamplingMap
 from plumbline.imaging.maps.view import Scale
 from plumbline.lenses.correction import Correction
-from plumbline.photos.files import tiff
 from plumbline.photos.files.metadata import Metadata
 
 SUFFIXES = (".tif", ".tiff", ".npz")
@@ -80,4 +79,6 @@ def _stmap(sampling: SamplingMap) -> bytes:
     done, data = cv2.imencode(".tif", stmap)
     if not done:
         raise OptionError("the map is too large for a TIFF", hint="name a .npz with --map")
-    return tiff.with_metadata(data.tobytes(), Metadata(), f"{MARK} {__version__}", alpha=False)
+    from plumbline.photos.files.tiff_writing import with_metadata
+
+    return with_metadata(data.tobytes(), Metadata(), f"{MARK} {__version__}")

@@ -8,6 +8,7 @@ from plumbline.imaging.maps.view import Scale, view_of
 from plumbline.lenses.correction import Correction
 
 _LEAST_SHOWN = 0.05
+"""Share of the picture: chosen, below it a decimal point is more likely wrong than the lens."""
 
 
 def sampling_of(
@@ -16,8 +17,7 @@ def sampling_of(
     """The map of a picture as it is stored; see `view_of`.
 
     Raises:
-        OptionError: the lens folds so far inside that hardly anything of the photo remains, or
-            inside a frame that it is to fill.
+        OptionError: the lens folds so far inside that hardly anything of the photo remains.
     """
     view = view_of(correction, orientation=orientation, scale=scale, inverse=inverse)
     sampling = SamplingMap(view.stored_size, view.observed)
@@ -28,11 +28,6 @@ def sampling_of(
         raise OptionError(
             f"{at}, so that hardly anything of the photo remains",
             hint="check the decimal dots and signs of the lens values, or take another lens",
-        )
-    if scale == "fill":
-        raise OptionError(
-            f"{at}, so that the photo cannot fill the frame",
-            hint="leave out --scale fill, or take other lens values",
         )
     return sampling
 

@@ -2,7 +2,7 @@
 
 A world file beside it, GeoTIFF's fields in it (OGC GeoTIFF 1.1: model pixel scale, tie point, key
 directory), and where a coordinate system is named, `.aux.xml` for formats that hold none (GDAL's
-persistent auxiliary metadata).
+persistent auxiliary metadata); for WebP always, whose world files GDAL does not read.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 from plumbline.errors import OptionError
 from plumbline.ground.world_file import SUFFIXES, World
 from plumbline.imaging.rectified.grid import Grid
-from plumbline.photos.files import tiff
+from plumbline.photos.files.ifd import Field
 
 _SHORT, _DOUBLE = 3, 12
 _SCALE, _TIE_POINT, _TRANSFORMATION, _KEYS = 33550, 33922, 34264, 34735
@@ -52,28 +52,44 @@ def world_file_name(picture: Path) -> Path:
 def sidecars(picture: Path, grid: Grid, epsg: int | None) -> dict[Path, bytes]:
     """The files beside a picture: its world file, and what names the coordinate system."""
     made = {world_file_name(picture): grid.world.text().encode()}
-    if epsg is not None and picture.suffix.lower() not in (".tif", ".tiff"):
-        text = f"<PAMDataset>\n  <SRS>EPSG:{epsg}</SRS>\n</PAMDataset>\n"
+    suffix = picture.suffix.lower()
+    if suffix == ".webp" or (epsg is not None and suffix not in (".tif", ".tiff")):
+        text = _auxiliary(grid.world, epsg)
         made[picture.with_name(f"{picture.name}.aux.xml")] = text.encode()
     return made
+
+
+def _auxiliary(world: World, epsg: int | None) -> str:
+    """GDAL's metadata: the coordinate system, and where the picture's corner lies."""
+    (a, b), (d, e) = world.matrix
+    x, y = world.places(np.array([-0.5, -0.5]))
+    system = f"  <SRS>EPSG:{epsg}</SRS>\n" if epsg is not None else ""
+    numbers = ", ".join(f"{value:.15g}" for value in (x, a, b, y, d, e))
+    place = f"  <GeoTransform>{numbers}</GeoTransform>\n"
+    return f"<PAMDataset>\n{system}{place}</PAMDataset>\n"
 
 
 def geotiff(data: bytes, world: World, epsg: int | None) -> bytes:
     """A TIFF file with the fields of GeoTIFF added."""
     (a, b), (d, e) = world.matrix
     corner = world.places(np.array([-0.5, -0.5]))
-    fields: list[tiff.Field]
+    fields: list[Field]
     if b == 0 and d == 0 and a > 0 and e < 0:
         fields = [
-            tiff.Field(_SCALE, _DOUBLE, struct.pack("<3d", a, -e, 0.0)),
-            tiff.Field(_TIE_POINT, _DOUBLE, struct.pack("<6d", 0.0, 0.0, 0.0, *corner, 0.0)),
+            Field(_SCALE, _DOUBLE, struct.pack("<3d", a, -e, 0.0)),
+            Field(_TIE_POINT, _DOUBLE, struct.pack("<6d", 0.0, 0.0, 0.0, *corner, 0.0)),
         ]
     else:
         rows = (a, b, 0.0, corner[0], d, e, 0.0, corner[1], *(0.0,) * 4, 0.0, 0.0, 0.0, 1.0)
-        fields = [tiff.Field(_TRANSFORMATION, _DOUBLE, struct.pack("<16d", *rows))]
-    keys = [(_RASTER_TYPE, 0, 1, _IS_AREA)]
+        fields = [Field(_TRANSFORMATION, _DOUBLE, struct.pack("<16d", *rows))]
     if epsg is not None:
-        keys = [(_MODEL_TYPE, 0, 1, _IS_PROJECTED), *keys, (_PROJECTED, 0, 1, epsg)]
-    directory = struct.pack(f"<{4 + 4 * len(keys)}H", 1, 1, 0, len(keys), *sum(keys, ()))
-    fields.append(tiff.Field(_KEYS, _SHORT, directory))
-    return tiff.with_fields(data, fields)
+        keys = (
+            (_MODEL_TYPE, 0, 1, _IS_PROJECTED),
+            (_RASTER_TYPE, 0, 1, _IS_AREA),
+            (_PROJECTED, 0, 1, epsg),
+        )
+        directory = struct.pack("<16H", 1, 1, 0, len(keys), *(n for key in keys for n in key))
+        fields.append(Field(_KEYS, _SHORT, directory))
+    from plumbline.photos.files.tiff_writing import with_fields
+
+    return with_fields(data, fields)

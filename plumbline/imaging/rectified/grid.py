@@ -89,7 +89,7 @@ def _refuse_too_large(columns: int, rows: int, resolution_m: float, bytes_each: 
     if over > 1:
         size = columns * rows * bytes_each / 2**30
         raise OptionError(
-            f"the picture would have {columns:,} x {rows:,} pixels, {size:,.1f} GiB, more than fits",
+            f"the picture would have {columns:,} x {rows:,} pixels, {size:,.1f} GiB: too many",
             hint=f"give a coarser --resolution, as {_rounded_up(over * resolution_m):g}, or a "
             "smaller --extent",
         )
@@ -127,7 +127,7 @@ def extent_of_photo(camera: Camera, coarsest_m: float) -> Extent:
     columns, rows = (np.linspace(-0.5, side - 0.5, _LOOKED_AT) for side in frame.size)
     points = np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2)
     ground = camera.ground(points)
-    good = np.isfinite(ground).all(axis=1)
+    good = np.isfinite(ground.sum(axis=1))
     good[good] &= footprints(camera, ground[good]) <= coarsest_m
     if not good.any():
         raise OptionError(

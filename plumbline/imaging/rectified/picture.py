@@ -177,8 +177,8 @@ def _cut_notes(rendered: Rendered, request: PictureRequest) -> tuple[str, ...]:
     notes: list[str] = []
     if rendered.coarse > _MOST_COARSE:
         notes.append(
-            f"{100 * rendered.coarse:.1f} % of the picture is cut: it lies beyond the horizon or the "
-            f"lens's fold, or a pixel of the photo covers more than {request.coarsest_m:g} m there"
+            f"{100 * rendered.coarse:.1f} % of the picture is cut: it lies beyond the horizon, or "
+            f"a pixel of the photo covers more than {request.coarsest_m:g} m there"
         )
     empty = 1 - float(np.mean(rendered.shown)) - rendered.coarse
     if empty > _MOST_COARSE:

@@ -71,7 +71,7 @@ class _Sampling:
     def of(cls, stretch: Sequence[float]) -> _Sampling:
         """The sampling that a stretch asks for."""
         least = min(stretch)
-        level = max(int(math.floor(math.log2(max(least, 1e-9)))) - 1, 0)
+        level = max(math.floor(math.log2(max(least, 1e-9))) - 1, 0)
         while max(stretch) / 2**level > _MOST_SAMPLES and level < 12:
             level += 1
         across, down = (

@@ -2,8 +2,8 @@
 
 LensFun's own library matches names and interpolates over focal length. Its rule for other
 sensors is in `plumbline.lenses.profile`, because its own single-precision evaluation is only
-good to 0.1 px. What is loaded later replaces what came before: the distribution's database, the
-one embedded in lensfunpy, updates, the user's own files.
+good to 0.1 px. Of the distribution's database, the one that comes with lensfunpy, and updates the
+newest is loaded, for lenses change their names; the user's own files go before it.
 """
 
 from __future__ import annotations
@@ -23,6 +23,10 @@ from plumbline.formats.lens_files.lensfun_reading import LensfunEntry, LensfunFi
 _SHARED = (Path("/usr/share/lensfun"), Path("/usr/local/share/lensfun"))
 _UPDATES = Path("/var/lib/lensfun-updates")
 _MOST_FILES = 2000
+"""Chosen; LensFun itself has 60."""
+
+_EMBEDDED = 1_672_531_200
+"""1 January 2023: lensfunpy's database, of LensFun 0.3.4 and that year, bears no date."""
 
 _Stamp = tuple[int, int]
 
@@ -57,7 +61,7 @@ class Database:
 
 @cache
 def common_database() -> Database:
-    """The databases of the system, of lensfunpy and of the user, as one.
+    """The newest of the released databases, and the user's own files, as one.
 
     A file of the user's that is damaged is left aside with a note.
     """
@@ -65,10 +69,10 @@ def common_database() -> Database:
 
     embedded = Path(lensfunpy.__file__).parent / "db_files"
     home = _user_folder()
-    folders = [folder / "version_1" for folder in _SHARED]
-    folders += [embedded, _UPDATES / "version_1", home / "updates" / "version_1", home]
+    released = [folder / "version_1" for folder in (*_SHARED, _UPDATES, home / "updates")]
+    newest = max([*released, embedded], key=lambda folder: _date(folder, folder == embedded))
     files, notes = list[str](), list[str]()
-    for folder in folders:
+    for folder in (newest, home):
         for file in _xml_files(folder):
             if folder != home:
                 files.append(file)
@@ -77,6 +81,16 @@ def common_database() -> Database:
             else:
                 files.append(file)
     return Database(_library(files), tuple(files), "LensFun's database", tuple(notes))
+
+
+def _date(folder: Path, embedded: bool) -> int:
+    """When a database was released, in seconds; 0 where there is none."""
+    if not _xml_files(folder):
+        return 0
+    try:
+        return int((folder / "timestamp.txt").read_text("ascii").strip())
+    except (OSError, ValueError):
+        return _EMBEDDED if embedded else 1
 
 
 def database_of(path: str) -> Database:
@@ -91,7 +105,7 @@ def database_of(path: str) -> Database:
     files = _xml_files(place) if place.is_dir() else [path]
     if not files:
         raise ReadError(
-            "there is no LensFun XML file in this folder", path=path, hint="name another folder"
+            "this folder holds no LensFun XML files", path=path, hint="name another folder"
         )
     return _database_at(path, tuple((file, _stamp(file)) for file in files))
 
@@ -130,42 +144,6 @@ def entries_of(path: str) -> Sequence[LensfunEntry]:
         ReadError: it is damaged, or no LensFun database.
     """
     return _parsed(path).lenses
-
-
-def find_camera(database: Database, maker: str, model: str) -> Any | None:
-    """The camera of that name, as EXIF spells it or as people do; None if there is none."""
-    if not model:
-        return None
-    found = database.library.find_cameras(maker or None, model)
-    if not found:
-        said = _words(f"{maker} {model}")
-        found = [
-            camera
-            for camera in database.library.cameras
-            if _words(camera.model) <= said <= _words(f"{camera.maker} {camera.model}")
-        ]
-    return found[0] if found else None
-
-
-def _words(name: str) -> set[str]:
-    return set(name.casefold().split())
-
-
-def similar_cameras(database: Database, maker: str, model: str) -> list[str]:
-    """Names of cameras whose names are alike, for a question."""
-    found = database.library.find_cameras(maker or None, model, True) if model else []
-    return list(dict.fromkeys(camera_name(camera) for camera in found))[:5]
-
-
-def camera_name(camera: Any) -> str:
-    """Maker and model, the maker only once."""
-    return with_maker(str(camera.maker), str(camera.model))
-
-
-def with_maker(maker: str, model: str) -> str:
-    """Maker and model, the maker only once."""
-    alike = model.casefold().startswith(maker.casefold().split()[0]) if maker else True
-    return model if alike else f"{maker} {model}"
 
 
 def _user_folder() -> Path:
@@ -258,4 +236,4 @@ def _library(files: Sequence[str]) -> Any:
             hint="correct the file; LensFun fails on elements and attributes it does not know",
         ) from None
     except UnicodeError:
-        raise OptionError("a file name of the LensFun database is no text") from None
+        raise OptionError("a file name of the LensFun database is not text") from None

@@ -15,8 +15,8 @@ from plumbline.models import CENTRE
 from plumbline.observations.facts import LensFacts
 from plumbline.result.calibration import Calibration
 
-_ONE_FOCAL_LENGTH = 0.005
-_ALIKE = 0.02
+_ONE_FOCAL_LENGTH = 0.005  # relative, as `reading.photo.ONE_FOCAL_LENGTH`
+_ALIKE = 0.02  # relative; chosen, frames and crop factors of one camera differ by less
 
 
 def join(
@@ -36,17 +36,18 @@ def join(
             not known.
     """
     if not calibrations:
-        raise OptionError("there is no calibration to join", hint="name results of plumbline fit")
+        raise OptionError("nothing is given to join", hint="name results of plumbline fit")
     model = model_of(calibrations[0][1].model)
     _check_alike(calibrations)
     by_focal: list[tuple[float, list[tuple[str, Calibration]]]] = []
-    for focal_mm, name, made in sorted(
-        ((_focal_mm(name, made), name, made) for name, made in calibrations), key=lambda e: e[0]
+    for focal_mm, name, calibration in sorted(
+        ((_focal_mm(name, calibration), name, calibration) for name, calibration in calibrations),
+        key=lambda e: e[0],
     ):
         if by_focal and focal_mm / by_focal[-1][0] - 1 <= _ONE_FOCAL_LENGTH:
-            by_focal[-1][1].append((name, made))
+            by_focal[-1][1].append((name, calibration))
         else:
-            by_focal.append((focal_mm, [(name, made)]))
+            by_focal.append((focal_mm, [(name, calibration)]))
     first = calibrations[0][1]
     lens = ZoomLens(
         model,
@@ -65,25 +66,27 @@ def join(
 
 
 def _node(focal_mm: float, members: Sequence[tuple[str, Calibration]]) -> Node:
-    values, covariances = zip(*(_in_half_sides(made) for _, made in members), strict=True)
+    values, covariances = zip(
+        *(_in_half_sides(calibration) for _, calibration in members), strict=True
+    )
     return replace(pool(focal_mm, values, covariances), sources=tuple(name for name, _ in members))
 
 
-def _in_half_sides(made: Calibration) -> tuple[Array, Array]:
+def _in_half_sides(calibration: Calibration) -> tuple[Array, Array]:
     """Coefficients and covariance, the centre in half shorter sides."""
-    names = (*made.lens.model.coefficients, *CENTRE)
-    frame = made.lens.frame
+    names = (*calibration.lens.model.coefficients, *CENTRE)
+    frame = calibration.lens.frame
     unit = {"d": frame.pixel_aspect / frame.radius_px, "e": 1 / frame.radius_px}
     scale = np.array([unit.get(name, 1.0) for name in names])
-    values = np.array([made.coefficients[name] for name in names]) * scale
+    values = np.array([calibration.coefficients[name] for name in names]) * scale
     covariance = np.zeros((len(names), len(names)))
-    where = [names.index(name) for name in made.free]
-    covariance[np.ix_(where, where)] = made.covariance
+    where = [names.index(name) for name in calibration.free]
+    covariance[np.ix_(where, where)] = calibration.covariance
     return values, covariance * np.outer(scale, scale)
 
 
-def _focal_mm(name: str, made: Calibration) -> float:
-    focal_mm = made.observations.lenses[0].focal_length_mm(made.lens.frame)
+def _focal_mm(name: str, calibration: Calibration) -> float:
+    focal_mm = calibration.observations.lenses[0].focal_length_mm(calibration.lens.frame)
     if focal_mm is None:
         raise OptionError(
             f"{name}: the focal length of this calibration is not known",
@@ -95,11 +98,11 @@ def _focal_mm(name: str, made: Calibration) -> float:
 def _check_alike(calibrations: Sequence[tuple[str, Calibration]]) -> None:
     first_name, first = calibrations[0]
     facts, frame = first.observations.lenses[0], first.lens.frame
-    for name, made in calibrations[1:]:
-        own = made.observations.lenses[0]
-        if made.model != first.model:
+    for name, calibration in calibrations[1:]:
+        own = calibration.observations.lenses[0]
+        if calibration.model != first.model:
             raise OptionError(
-                f"{name} was fitted with {made.model}, {first_name} with {first.model}",
+                f"{name} was fitted with {calibration.model}, {first_name} with {first.model}",
                 hint="fit all calibrations with the same --model",
             )
         if facts.model and own.model and facts.model.casefold() != own.model.casefold():
@@ -113,13 +116,13 @@ def _check_alike(calibrations: Sequence[tuple[str, Calibration]]) -> None:
                 f"{facts.crop_factor:.4g}",
                 hint="join calibrations from one kind of sensor",
             )
-        if _apart(made.lens.frame.corner_radius, frame.corner_radius):
+        if _apart(calibration.lens.frame.corner_radius, frame.corner_radius):
             raise OptionError(
                 f"the photos of {name} and {first_name} differ in their shape",
                 hint="join calibrations from whole, uncropped photos of one camera",
             )
-        upright = [m.lens.frame.width < m.lens.frame.height for m in (first, made)]
-        centred = not any(m.coefficients[c] for m in (first, made) for c in CENTRE)
+        upright = [m.lens.frame.width < m.lens.frame.height for m in (first, calibration)]
+        centred = not any(m.coefficients[c] for m in (first, calibration) for c in CENTRE)
         if upright[0] != upright[1] and not centred:
             raise OptionError(
                 f"one of {name} and {first_name} stands upright, the other lies, and their "
@@ -134,7 +137,7 @@ def _apart(one: float, other: float) -> bool:
 
 def _facts(calibrations: Sequence[tuple[str, Calibration]]) -> LensFacts:
     """What any of the calibrations knows of the lens; the first that knows counts."""
-    every = [made.observations.lenses[0] for _, made in calibrations]
+    every = [calibration.observations.lenses[0] for _, calibration in calibrations]
 
     return LensFacts(
         maker=next((each.maker for each in every if each.maker), ""),

@@ -8,10 +8,7 @@ The centre `d`, `e` is in half shorter sides of the photo. Floats read back exac
 
 from __future__ import annotations
 
-import json
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -19,51 +16,57 @@ from plumbline._version import __version__
 from plumbline.errors import PlumblineError, ReadError, printable
 from plumbline.files import ZOOM
 from plumbline.formats.base import Source
-from plumbline.frame import Array, Frame
-from plumbline.lenses.profile import LensProfile, clamp_focal
+from plumbline.frame import Frame
+from plumbline.lenses.focal import clamp_focal
+from plumbline.lenses.profile import LensProfile
 from plumbline.lenses.request import LensRequest
+from plumbline.lenses.zoom.schema import FORMAT_VERSION, LabelsRecord, NodeRecord, ZoomRecord
 from plumbline.lenses.zoom.zoom_lens import Node, ZoomLens, model_of
 from plumbline.models import CENTRE
-from plumbline.observations import MAX_SIDE
 from plumbline.observations.facts import LensFacts
 from plumbline.photos.exif import PhotoFacts
+from plumbline.result.records import DamageError, converted, parsed, record_text
+from plumbline.result.schema import Head
 
-FORMAT_VERSION = 1
-
-_AGAIN = "make it again: plumbline zoom RESULT… -o zoom.json"
-_TEXTS = ("maker", "model", "camera", "mount")
-_LARGEST = 1e9
-_METHODS = ("linear", "hermite", "polynomial")
+_AGAIN = "join it again: plumbline zoom RESULT… -o zoom.json"
 
 
 def zoom_text(lens: ZoomLens) -> str:
     """JSON text of a zoom lens."""
-    whole = {
-        "format": ZOOM,
-        "format_version": FORMAT_VERSION,
-        "plumbline": __version__,
-        "model": lens.model.label,
-        "method": lens.method,
-        "degree": lens.degree,
-        "free": list(lens.free),
-        "size": list(lens.size),
-        "pixel_aspect": lens.pixel_aspect,
-        "lens": {name: getattr(lens.facts, name) for name in (*_TEXTS, "crop_factor")},
-        "nodes": [
-            {
-                "focal_mm": node.focal_mm,
-                "values": dict(zip(lens.names, node.values.tolist(), strict=True)),
-                "covariance": node.covariance.tolist(),
-                "scatter": node.scatter.tolist(),
-                "centre_spread": node.centre_spread,
-                "birge": node.birge,
-                "sources": list(node.sources),
-            }
-            for node in lens.nodes
-        ],
-    }
-    text = json.dumps(whole, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-    return text.encode("utf-8", "backslashreplace").decode()
+    facts = lens.facts
+    return record_text(
+        ZoomRecord(
+            format=ZOOM,
+            format_version=FORMAT_VERSION,
+            plumbline=__version__,
+            model=lens.model.label,
+            method=lens.method,
+            degree=lens.degree,
+            free=lens.free,
+            size=lens.size,
+            pixel_aspect=lens.pixel_aspect,
+            lens=LabelsRecord(
+                maker=facts.maker,
+                model=facts.model,
+                camera=facts.camera,
+                mount=facts.mount,
+                crop_factor=facts.crop_factor,
+            ),
+            nodes=tuple(_record(node, lens.names) for node in lens.nodes),
+        )
+    )
+
+
+def _record(node: Node, names: tuple[str, ...]) -> NodeRecord:
+    return NodeRecord(
+        focal_mm=node.focal_mm,
+        values=dict(zip(names, node.values.tolist(), strict=True)),
+        covariance=tuple(tuple(row) for row in node.covariance.tolist()),
+        scatter=tuple(node.scatter.tolist()),
+        centre_spread=node.centre_spread,
+        birge=node.birge,
+        sources=node.sources,
+    )
 
 
 @dataclass(frozen=True)
@@ -108,82 +111,72 @@ def read_zoom(source: Source) -> StoredZoom:
     """Read what `zoom_text` wrote.
 
     Raises:
-        ReadError: the text is no such JSON.
+        ReadError: the text is not such JSON.
     """
+    whole = parsed(source.text(), source.path, _AGAIN)
+    if not isinstance(whole, dict) or whole.get("format") != ZOOM:
+        raise source.error("this is not a zoom lens written by plumbline", hint=_AGAIN)
     try:
-        whole = json.loads(source.text(), parse_constant=_not_finite)
-        if not isinstance(whole, dict) or whole.get("format") != ZOOM:
-            raise source.error("this is no zoom lens written by plumbline", hint=_AGAIN)
-        if whole.get("format_version") != FORMAT_VERSION:
-            raise source.error("this was written by another version of plumbline", hint=_AGAIN)
-        return StoredZoom(_lens(whole), source.path)
+        if converted(whole, Head).format_version > FORMAT_VERSION:
+            raise source.error(
+                f"this zoom lens was written by plumbline {whole['plumbline']}, which is newer",
+                hint="update plumbline",
+            )
+        return StoredZoom(_lens(converted(whole, ZoomRecord)), source.path)
     except ReadError:
         raise
-    except RecursionError:
-        raise source.error("the JSON is nested too deeply", hint=_AGAIN) from None
-    except KeyError as error:
-        raise source.error(f"the zoom lens lacks {error}", hint=_AGAIN) from None
-    except (PlumblineError, ValueError, TypeError, AttributeError, OverflowError) as error:
+    except (PlumblineError, DamageError) as error:
         raise source.error(f"the zoom lens is damaged: {error}", hint=_AGAIN) from None
 
 
-def _not_finite(name: str) -> float:
-    raise ValueError(f"{name} is no finite number")
-
-
-def _lens(whole: Mapping[str, Any]) -> ZoomLens:
-    model = model_of(str(whole["model"]))
+def _lens(record: ZoomRecord) -> ZoomLens:
+    model = model_of(record.model)
     names = (*model.coefficients, *CENTRE)
-    nodes = tuple(_node(each, names) for each in whole["nodes"])
-    focals = [node.focal_mm for node in nodes]
-    if not nodes or focals != sorted(set(focals)) or focals[0] <= 0:
-        raise ValueError("the focal lengths do not ascend")
-    width, height = (int(side) for side in whole["size"])
-    pixel_aspect = float(whole["pixel_aspect"])
-    if not (0 < width <= MAX_SIDE and 0 < height <= MAX_SIDE and 0.01 <= pixel_aspect <= 100):
-        raise ValueError("the size of the photos is impossible")
-    if whole["method"] not in _METHODS:
-        raise ValueError("the method is not known")
-    free = tuple(str(name) for name in whole["free"])
-    if not set(free) <= set(names):
-        raise ValueError("the coefficients do not fit the model")
-    maker, lens_model, camera, mount = (printable(str(whole["lens"][name])) for name in _TEXTS)
-    crop_factor = whole["lens"]["crop_factor"]
-    facts = LensFacts(
-        maker=maker,
-        model=lens_model,
-        camera=camera,
-        mount=mount,
-        crop_factor=None if crop_factor is None else float(crop_factor),
+    nodes = tuple(
+        _node(node, names, f"nodes[{number}]") for number, node in enumerate(record.nodes)
     )
-    if facts.crop_factor is not None and not facts.crop_factor > 0:
-        raise ValueError("the crop factor is not above zero")
-    degree = int(whole["degree"])
+    focals = [node.focal_mm for node in nodes]
+    if focals != sorted(set(focals)):
+        raise DamageError("the focal lengths of the nodes do not ascend")
+    if not set(record.free) <= set(names):
+        raise DamageError("the coefficients do not fit the model")
+    labels = record.lens
+    facts = LensFacts(
+        maker=printable(labels.maker),
+        model=printable(labels.model),
+        camera=printable(labels.camera),
+        mount=printable(labels.mount),
+        crop_factor=labels.crop_factor,
+    )
     lens = ZoomLens(
-        model, free, nodes, whole["method"], degree, (width, height), pixel_aspect, facts
+        model,
+        record.free,
+        nodes,
+        record.method,
+        record.degree,
+        record.size,
+        record.pixel_aspect,
+        facts,
     )
     lens.at(focals[0])
     return lens
 
 
-def _node(data: Mapping[str, Any], names: tuple[str, ...]) -> Node:
-    values = _array([float(data["values"][name]) for name in names], (len(names),))
-    covariance = _array(data["covariance"], (len(names), len(names)))
+def _node(record: NodeRecord, names: tuple[str, ...], place: str) -> Node:
+    if set(record.values) != set(names):
+        raise DamageError(f"{place}.values does not hold {', '.join(names)}")
+    sizes = [len(record.scatter), len(record.covariance), *map(len, record.covariance)]
+    if set(sizes) != {len(names)}:
+        raise DamageError(f"{place} does not have a value for each coefficient")
+    covariance = np.array(record.covariance, dtype=np.float64)
     if np.any(np.diag(covariance) < 0):
-        raise ValueError("a variance is negative")
+        raise DamageError(f"{place}: a variance is negative")
     return Node(
-        float(data["focal_mm"]),
-        values,
+        record.focal_mm,
+        np.array([record.values[name] for name in names]),
         covariance,
-        _array(data["scatter"], (len(names),)),
-        float(data["centre_spread"]),
-        float(data["birge"]),
-        tuple(printable(str(name)) for name in data["sources"]),
+        np.array(record.scatter, dtype=np.float64),
+        record.centre_spread,
+        record.birge,
+        tuple(printable(name) for name in record.sources),
     )
-
-
-def _array(values: Any, shape: tuple[int, ...]) -> Array:
-    array = np.array(values, dtype=np.float64)
-    if array.shape != shape or not np.all(np.abs(array) < _LARGEST):
-        raise ValueError("an array has the wrong shape or holds an absurd number")
-    return array

@@ -28,7 +28,7 @@ from plumbline.lenses.zoom.curves import (
 from plumbline.models import CENTRE, Model, get_model
 from plumbline.observations.facts import LensFacts
 
-_HELD_ALIKE = 1e-9
+_HELD_ALIKE = 1e-9  # relative; values that were held are copied, rounding apart
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Picture files made from pixels, with the metadata of the photograph they came from."""
+"""Picture files from pixels, with the metadata of the photograph they came from."""
 
 from __future__ import annotations
 
@@ -13,10 +13,11 @@ import numpy as np
 from PIL import Image
 
 from plumbline.errors import OptionError, WriteError
-from plumbline.photos.files import jpeg, png, tiff
-from plumbline.photos.files.exif import MOST_IN_JPEG, annotated, without_thumbnail
+from plumbline.photos.files import ifd, jpeg, photoshop, png, riff
+from plumbline.photos.files.exif import annotated, shortened
 from plumbline.photos.files.metadata import Metadata
 from plumbline.photos.files.picture import MAKER_NOTES_LOST, Picture, Pixels, swapped
+from plumbline.wording import count, joined
 
 FORMATS = {
     ".jpg": "JPEG",
@@ -29,25 +30,24 @@ FORMATS = {
 }
 """Formats by suffix; Pillow knows those of further ones."""
 
-_LZW = 5
-_STRIP_BYTES = 2**16
-_COMPRESSIONS = {1: 1, 5: 5, 8: 8, 32773: 32773, 32946: 8}
-_PILLOW_COMPRESSIONS = {1: "raw", 5: "tiff_lzw", 8: "tiff_adobe_deflate", 32773: "packbits"}
 _SAMPLINGS = {
     0: cv2.IMWRITE_JPEG_SAMPLING_FACTOR_444,
     1: cv2.IMWRITE_JPEG_SAMPLING_FACTOR_422,
     2: cv2.IMWRITE_JPEG_SAMPLING_FACTOR_420,
 }
-_THUMBNAIL_QUALITIES = (90, 80, 70, 60, 45, 30)
+_THUMBNAIL_QUALITIES = (90, 80, 70, 60, 45, 30)  # tried until it is no longer than the old one
 _ASPECT_TOLERANCE = 0.03
+"""Chosen: thumbnails of 160 pixels round the shape of a photo by less."""
+
 _PNG_LEVEL = 4
+"""Chosen: higher levels of zlib take twice the time for 1 % on photographs."""
 
 
 def format_of(target: Path) -> str:
     """Pillow's name of the format that a file name asks for.
 
     Raises:
-        OptionError: there is no such format, or it cannot be written.
+        OptionError: the format is unknown, or cannot be written.
     """
     suffix = target.suffix.lower()
     name = FORMATS.get(suffix) or Image.registered_extensions().get(suffix, "")
@@ -77,17 +77,18 @@ def encode(picture: Picture, target: Path, quality: int, note: str) -> tuple[byt
     """
     name = format_of(target)
     _refuse_loss(picture, name)
-    metadata, notes = _fitting(picture, name, note)
+    metadata, remark, notes = _fitting(picture, name, note)
     try:
         if name == "JPEG":
-            return jpeg.with_metadata(_jpeg(picture, quality), metadata), notes
+            return jpeg.with_metadata(_jpeg(picture, quality), metadata, remark), notes
         if name == "PNG":
-            return png.with_metadata(_png(picture), metadata), notes
+            return png.with_metadata(_png(picture), metadata, remark), notes
         if name == "TIFF":
-            whole = tiff.with_metadata(_tiff(picture), metadata, note, alpha=picture.alpha)
-            return whole, notes
+            from plumbline.photos.files import tiff_writing
+
+            return tiff_writing.encoded(picture, metadata, note), notes
         if name == "WEBP":
-            return _webp(picture, metadata, quality), notes
+            return riff.with_remark(_webp(picture, metadata, quality), remark), notes
         return _by_pillow(picture, name), [*notes, f"{name} keeps no metadata"]
     except (OSError, ValueError, cv2.error, struct.error) as error:
         raise WriteError(f"the picture cannot be encoded: {error}", path=target) from None
@@ -106,30 +107,56 @@ def _refuse_loss(picture: Picture, name: str) -> None:
         raise OptionError(f"{name} cannot hold CMYK", hint="name a .tif with -o")
 
 
-def _fitting(picture: Picture, name: str, note: str) -> tuple[Metadata, list[str]]:
-    """The metadata for a format, with the note and a fresh thumbnail."""
+def _fitting(picture: Picture, name: str, note: str) -> tuple[Metadata, str, list[str]]:
+    """The metadata for a format with a fresh thumbnail, a remark if EXIF has no room for the note.
+
+    Returns:
+        The metadata with the note in EXIF, the note itself where it is not, and what was lost.
+    """
     metadata, notes = picture.metadata, list[str]()
     if name != picture.storage.format:
-        metadata = replace(metadata, records=())
+        metadata, notes = _carried(metadata, name)
     if name == "JPEG" and not metadata.records and len(metadata.xmp) > jpeg.MOST_OF_XMP:
         metadata = replace(metadata, xmp=b"")
         notes.append("XMP is too long for JPEG and was not kept")
     if name == "TIFF":
-        if metadata.exif and tiff.has_maker_notes(metadata.exif):
-            notes.append(MAKER_NOTES_LOST)
-        return metadata, notes
+        return metadata, "", notes
+    most = jpeg.MOST_OF_EXIF if name == "JPEG" else None
     try:
-        exif = annotated(metadata.exif, note, lambda old: _thumbnail(picture, old))
-        if name == "JPEG" and len(exif) > MOST_IN_JPEG:
-            exif = without_thumbnail(metadata.exif)
-            notes.append("EXIF is full: the correction could not be noted in it")
-        if name == "JPEG" and len(exif) > MOST_IN_JPEG:
-            exif = b""
-            notes.append("EXIF is too long for JPEG and was not kept")
-    except (ValueError, struct.error):
         exif = metadata.exif
+        if most is not None and len(exif) > most:
+            exif, left = shortened(exif)
+            told = count(left, "long field") + " and the maker notes" if left else "the maker notes"
+            notes.append(f"EXIF is too long for JPEG: {told} were not kept")
+        noted = annotated(exif, note, lambda old: _thumbnail(picture, old), most)
+    except (ValueError, struct.error):
         notes.append("EXIF is damaged and was kept as it is, without a note of the correction")
-    return replace(metadata, exif=exif), notes
+        return metadata, note, notes
+    if not noted.noted:
+        notes.append("EXIF is full: the correction is noted in a comment instead")
+    if noted.broken:
+        notes.append(f"{count(noted.broken, 'broken field')} of EXIF left out")
+    return replace(metadata, exif=noted.block), "" if noted.noted else note, notes
+
+
+def _carried(metadata: Metadata, name: str) -> tuple[Metadata, list[str]]:
+    """What of the metadata another format takes, and what it does not."""
+    lost = list(metadata.only_here)
+    if metadata.photoshop and name != "TIFF" and photoshop.holds_more(metadata.photoshop):
+        lost.append("Photoshop's resources")
+    if name == "WEBP":
+        lost += [
+            what for what, has in (("IPTC", metadata.iptc), ("a comment", metadata.comment)) if has
+        ]
+    notes = [f"{name} does not hold {joined(lost)} of the original: not kept"] if lost else []
+    if name == "TIFF" and metadata.exif:
+        try:
+            if ifd.has_maker_notes(metadata.exif):
+                notes.append(MAKER_NOTES_LOST)
+        except (ValueError, struct.error):
+            metadata = replace(metadata, exif=b"")
+            notes.append("EXIF is damaged and was not kept")
+    return replace(metadata, records=()), notes
 
 
 def _thumbnail(picture: Picture, old: bytes) -> bytes | None:
@@ -191,15 +218,6 @@ def _png(picture: Picture) -> bytes:
     if picture.pixels.ndim == 3 and picture.pixels.shape[2] == 2:
         return _by_pillow(picture, "PNG")
     return _cv2_encoded(".png", picture.pixels, {cv2.IMWRITE_PNG_COMPRESSION: _PNG_LEVEL})
-
-
-def _tiff(picture: Picture) -> bytes:
-    compression = _COMPRESSIONS.get(picture.storage.compression, _LZW)
-    if picture.inks or (picture.pixels.ndim == 3 and picture.pixels.shape[2] == 2):
-        return _by_pillow(picture, "TIFF", compression=_PILLOW_COMPRESSIONS[compression])
-    rows = max(_STRIP_BYTES // picture.pixels[0].nbytes, 1)
-    parameters = {cv2.IMWRITE_TIFF_COMPRESSION: compression, cv2.IMWRITE_TIFF_ROWSPERSTRIP: rows}
-    return _cv2_encoded(".tif", picture.pixels, parameters)
 
 
 def _webp(picture: Picture, metadata: Metadata, quality: int) -> bytes:

@@ -1,18 +1,26 @@
 """Notes and thumbnails in an EXIF block, changed so that nothing else in it moves.
 
 Maker notes refer to places in the block, so the block is only added to: a new first directory
-goes to its end, and a refreshed thumbnail takes the place of the old one.
+goes to its end, or where a dropped thumbnail was, and a refreshed thumbnail takes the place of
+the old one.
 """
 
 from __future__ import annotations
 
 import struct
 from collections.abc import Callable
+from dataclasses import dataclass
 
-from plumbline.photos.files.tiff import (
+from plumbline.photos.files.ifd import (
     NEXT_IMAGE_BYTES,
     NEXT_IMAGE_OFFSET,
+    SIZES,
+    SOFTWARE,
+    Field,
+    block_fields,
     byte_order,
+    entries,
+    even,
     first_directory,
     new_block,
     read_directory,
@@ -21,65 +29,125 @@ from plumbline.photos.files.tiff import (
 
 Refresh = Callable[[bytes], bytes | None]
 
-MOST_IN_JPEG = 65533 - 8
-"""Bytes of EXIF that fit into one segment of a JPEG file."""
+_LARGE_FIELD = 2048
+"""Chosen because only maker notes, previews and private blocks are longer."""
 
 
-def annotated(block: bytes, note: str, refresh: Refresh) -> bytes:
+@dataclass(frozen=True)
+class Annotated:
+    """An EXIF block with a note.
+
+    Attributes:
+        block: The block.
+        noted: Whether the note found room.
+        broken: How many broken entries of the first directory were left out.
+    """
+
+    block: bytes
+    noted: bool = True
+    broken: int = 0
+
+
+def annotated(block: bytes, note: str, refresh: Refresh, most: int | None = None) -> Annotated:
     """The block with a note in Software and the thumbnail refreshed, or dropped.
 
     Args:
         block: The EXIF block; may be empty.
         note: What to say.
         refresh: Makes a new thumbnail, no longer than the old one, or None to drop it.
+        most: Bytes that the block may have; without room the thumbnail goes, then the note.
 
     Raises:
         ValueError, struct.error: the block makes no sense.
     """
     if not block:
-        return new_block(with_software([], note))
+        return Annotated(new_block(with_software([], note)))
+    with_thumbnail, following, _ = _with_thumbnail(block, refresh)
+    noted = _with_note(even(with_thumbnail), note, following, (0, 0))
+    if most is None or len(noted.block) <= most:
+        return noted
+    bare, _, hole = _with_thumbnail(block, lambda _: None)
+    if hole[1] and sum(hole) >= len(bare) - 1:
+        bare, hole = bare[: hole[0]], (0, 0)
+    noted = _with_note(even(bare), note, 0, hole)
+    if len(noted.block) <= most:
+        return noted
+    return Annotated(with_thumbnail if len(with_thumbnail) <= most else bare, noted=False)
+
+
+def shortened(block: bytes) -> tuple[bytes, int]:
+    """The block without maker notes, thumbnail and long fields, and how many fields that were."""
+    fields = block_fields(block)
+    left = 0
+
+    def short(fields: tuple[Field, ...]) -> tuple[Field, ...]:
+        nonlocal left
+        kept: list[Field] = []
+        for field in fields:
+            if len(field.data) > _LARGE_FIELD:
+                left += 1
+            else:
+                kept.append(Field(field.tag, field.kind, field.data, short(field.children)))
+        return tuple(kept)
+
+    return new_block(short(tuple(fields))), left
+
+
+def _with_note(block: bytes, note: str, following: int, hole: tuple[int, int]) -> Annotated:
+    """The block with a new first directory in a hole that is large enough, else at its end."""
     order, at = byte_order(block), first_directory(block)
-    block, following = _with_thumbnail(block, refresh)
-    count = struct.unpack_from(order + "H", block, at)[0]
-    table = {
-        struct.unpack_from(order + "H", block, entry)[0]: block[entry : entry + 12]
-        for entry in range(at + 2, at + 2 + 12 * count, 12)
-    }
-    block += b"\0" * (len(block) % 2)
+    (stored,) = struct.unpack_from(order + "H", block, at)
+    whole = [entry for entry in entries(block, at) if _ends_inside(entry, order, len(block))]
     software = with_software(read_directory(block, at)[0], note)[-1]
-    start = len(block)
-    head = struct.pack(order + "HHII", software.tag, software.kind, software.count, start)
-    table[software.tag] = head
-    text = software.data + b"\0" * (len(software.data) % 2)
-    directory = struct.pack(order + "H", len(table)) + b"".join(table[tag] for tag in sorted(table))
-    whole = block[:4] + struct.pack(order + "I", start + len(text)) + block[8:]
-    return whole + text + directory + struct.pack(order + "I", following)
+    text = even(software.data)
+    size = len(text) + 2 + 12 * (len(whole) + 1) + 4
+    start = _even_place(hole[0]) if size < hole[1] else len(block)
+    own = struct.pack(order + "HHII", SOFTWARE, software.kind, software.count, start)
+    others = [entry for entry in whole if struct.unpack_from(order + "H", entry)[0] != SOFTWARE]
+    table = sorted([*others, own], key=lambda entry: struct.unpack_from(order + "H", entry)[0])
+    directory = struct.pack(order + "H", len(table)) + b"".join(table)
+    added = text + directory + struct.pack(order + "I", following)
+    head = block[:4] + struct.pack(order + "I", start + len(text)) + block[8:start]
+    return Annotated(head + added + block[start + len(added) :], broken=stored - len(whole))
 
 
-def without_thumbnail(block: bytes) -> bytes:
-    """The block with its directory of the thumbnail unlinked; nothing is added."""
-    order, at = byte_order(block), first_directory(block)
-    link = at + 2 + 12 * struct.unpack_from(order + "H", block, at)[0]
-    return block[:link] + bytes(4) + block[link + 4 :]
+def _even_place(at: int) -> int:
+    """The even place at or behind another."""
+    return at + at % 2
 
 
-def _with_thumbnail(block: bytes, refresh: Refresh) -> tuple[bytes, int]:
-    """The block with another thumbnail, and the offset of its directory or 0."""
+def _ends_inside(entry: bytes, order: str, length: int) -> bool:
+    _, kind, count, start = struct.unpack(order + "HHII", entry)
+    size = SIZES[kind] * count
+    return size <= 4 or start + size <= length
+
+
+def _with_thumbnail(block: bytes, refresh: Refresh) -> tuple[bytes, int, tuple[int, int]]:
+    """The block with another thumbnail, the offset of its directory or 0, and where it lies."""
     order = byte_order(block)
     _, following = read_directory(block, first_directory(block))
     if not following:
-        return block, 0
+        return block, 0, (0, 0)
     try:
         fields = {field.tag: field.data for field in read_directory(block, following)[0]}
         (start,) = struct.unpack(order + "I", fields[NEXT_IMAGE_OFFSET])
         (size,) = struct.unpack(order + "I", fields[NEXT_IMAGE_BYTES])
     except (KeyError, ValueError, struct.error):
-        return block, 0
+        return _unlinked(block), 0, (0, 0)
+    if start < 8 or start + size > len(block):
+        return _unlinked(block), 0, (0, 0)
     fresh = refresh(block[start : start + size])
-    if fresh is None or len(fresh) > size or start + size > len(block):
-        return block, 0
+    if fresh is None or len(fresh) > size:
+        return _unlinked(block), 0, (start, size)
     block = block[:start] + fresh.ljust(size, b"\0") + block[start + size :]
-    return _with_length(block, following, len(fresh)), following
+    return _with_length(block, following, len(fresh)), following, (start, size)
+
+
+def _unlinked(block: bytes) -> bytes:
+    """The block with its directory of the thumbnail unlinked."""
+    order, at = byte_order(block), first_directory(block)
+    link = at + 2 + 12 * struct.unpack_from(order + "H", block, at)[0]
+    return block[:link] + bytes(4) + block[link + 4 :]
 
 
 def _with_length(block: bytes, directory: int, length: int) -> bytes:

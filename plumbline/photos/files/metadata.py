@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from plumbline._version import __version__
 
 CORRECTED = "corrected by plumbline"
-"""Stands in EXIF's Software of every photograph that plumbline corrected."""
+"""Stands in every photograph that plumbline corrected: in EXIF's Software, else in a comment."""
 
-_MOST_OF_A_NOTE = 240
+_MOST_OF_A_NOTE = 240  # characters; chosen, a line or two in a viewer
 _FOLDERS = re.compile(r"\S*[\\/](?=[^\s\\/]+\.[a-zA-Z]\w{1,3}\b)")
 
 
@@ -22,15 +22,23 @@ class Metadata:
         exif: The EXIF block, a small TIFF file of its own; may be empty.
         icc: The ICC colour profile; may be empty.
         xmp: The XMP packet; may be empty.
+        iptc: IPTC records; may be empty.
+        photoshop: Photoshop's image resources, IPTC among them; may be empty.
+        comment: A comment; may be empty.
         dpi: Pixels an inch across and down.
         records: Whole segments or chunks, for a file of the same format.
+        only_here: What `records` hold that no other format can take, in words.
     """
 
     exif: bytes = b""
     icc: bytes = b""
     xmp: bytes = b""
+    iptc: bytes = b""
+    photoshop: bytes = b""
+    comment: str = ""
     dpi: tuple[float, float] | None = None
     records: tuple[bytes, ...] = ()
+    only_here: tuple[str, ...] = ()
 
 
 def note_of(description: str) -> str:

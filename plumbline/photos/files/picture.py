@@ -6,7 +6,7 @@ import io
 import struct
 import warnings
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from PIL import Image, JpegImagePlugin
 
 from plumbline.errors import ReadError
-from plumbline.photos.exif import FLOATS, FLOATS_HINT
-from plumbline.photos.files import jpeg, png, tiff
+from plumbline.photos.files import jpeg, png
 from plumbline.photos.files.metadata import Metadata
+from plumbline.photos.kinds import FLOATS, FLOATS_HINT, HEAD, is_tiff, refuse_by_name
 
 Pixels = NDArray[Any]
 
@@ -28,13 +28,11 @@ MAKER_NOTES_LOST = (
 
 _DAMAGE = (ValueError, struct.error, IndexError, KeyError, TypeError, SyntaxError, EOFError)
 _HINT = "open it in a viewer, and save it again as JPEG, TIFF or PNG"
-_BITS, _EXTRA_SAMPLES = 258, 338
 _CV2_MODES = ("L", "RGB")
 _MODES = {"1": "L", "P": "RGB", "PA": "RGBA", "La": "LA", "RGBa": "RGBA", "RGBX": "RGB"}
-_READERS: dict[str, Callable[[bytes], Metadata]] = {
+_READERS: dict[str, Callable[[bytes], tuple[Metadata, list[str]]]] = {
     "JPEG": jpeg.read_metadata,
     "PNG": png.read_metadata,
-    "TIFF": tiff.read_metadata,
 }
 
 
@@ -92,14 +90,11 @@ def decode(data: bytes, path: str | Path) -> Picture:
     Raises:
         ReadError: the file is cut short, damaged, of an unknown kind or too large.
     """
+    refuse_by_name(data[:HEAD], path)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            image = Image.open(io.BytesIO(data))
-            storage = _storage(image, data)
-            pixels = _by_cv2(image, data) if _suits_cv2(image, data) else _by_pillow(image, path)
-            metadata, notes = _metadata(image, data, storage.format)
-            frames = getattr(image, "n_frames", 1) if image.format != "MPO" else 1
+            return _tiff(data, path) if is_tiff(data) else _other(data, path)
     except ReadError:
         raise
     except Image.DecompressionBombError:
@@ -113,25 +108,66 @@ def decode(data: bytes, path: str | Path) -> Picture:
         raise ReadError(
             f"the picture is cut short or damaged{reason}", path=path, hint=_HINT
         ) from None
+
+
+def _other(data: bytes, path: str | Path) -> Picture:
+    """The picture of any format but TIFF."""
+    image = Image.open(io.BytesIO(data))
+    storage = _storage(image, data)
+    pixels = _by_cv2(image, data) if _suits_cv2(image, data) else _by_pillow(image, path)
+    if _seems_unfilled(pixels, storage) and not jpeg.filled(data, storage.progressive):
+        raise ValueError("a part of its pixels is missing")
+    metadata, notes = _metadata(image, data, storage.format)
+    frames = getattr(image, "n_frames", 1) if image.format != "MPO" else 1
     if frames > 1:
-        notes.append(f"only the first of {frames} pictures in the file was taken")
+        notes.append(_first_of(frames))
     return Picture(pixels, image.mode == "CMYK", metadata, storage, tuple(notes))
+
+
+def _tiff(data: bytes, path: str | Path) -> Picture:
+    from plumbline.photos.files import tiff, tiff_tags
+
+    with tiff.opened(io.BytesIO(data), path) as page:
+        storage = Storage("TIFF", compression=int(page.compression))
+        found = tiff.read_pixels(page, path)
+        notes = list(found.notes)
+        try:
+            metadata, left = tiff_tags.read_metadata(page)
+            notes += [*left, *([MAKER_NOTES_LOST] if tiff_tags.has_maker_notes(page) else [])]
+        except tiff_tags.DAMAGE:
+            metadata = Metadata()
+            notes.append("its metadata are damaged and were not kept")
+        frames = tiff.pictures(page)
+    if frames > 1:
+        notes.append(_first_of(frames))
+    return Picture(found.pixels, found.inks, metadata, storage, tuple(notes))
+
+
+def _first_of(frames: int) -> str:
+    return f"only the first of {frames} pictures in the file was taken"
+
+
+def _seems_unfilled(pixels: Pixels, storage: Storage) -> bool:
+    """Whether a JPEG's last row is all one colour, as decoders fill what is missing."""
+    if storage.format != "JPEG":
+        return False
+    return storage.progressive or not np.any(pixels[-1] != pixels[-1, 0])
 
 
 def _storage(image: Image.Image, data: bytes) -> Storage:
     name = "JPEG" if image.format == "MPO" else image.format or ""
     if name == "JPEG":
-        sampling = JpegImagePlugin.get_sampling(image)
         progressive = bool(image.info.get("progressive"))
-        return Storage(name, sampling=sampling if sampling >= 0 else 2, progressive=progressive)
-    if name == "TIFF":
-        return Storage(name, compression=int(_tag(image, tiff.COMPRESSION, 5)))
+        return Storage(name, sampling=_sampling(image), progressive=progressive)
     return Storage(name, lossless=name == "WEBP" and b"VP8L" in data[:1024])
 
 
-def _tag(image: Image.Image, tag: int, default: Any) -> Any:
-    tags: Any = getattr(image, "tag_v2", {})
-    return tags.get(tag, default)
+def _sampling(image: Image.Image) -> int:
+    sampling = JpegImagePlugin.get_sampling(image)
+    if sampling >= 0:
+        return sampling
+    layers: Any = getattr(image, "layer", ())  # four inks, which Pillow does not look at
+    return 0 if len({tuple(layer[1:3]) for layer in layers}) == 1 else 2
 
 
 def _suits_cv2(image: Image.Image, data: bytes) -> bool:
@@ -141,16 +177,10 @@ def _suits_cv2(image: Image.Image, data: bytes) -> bool:
             raise ValueError("its end is missing")
         return image.mode in _CV2_MODES
     if image.format == "PNG":
-        for _ in png.chunks(data):
-            pass  # a file cut short is refused
+        png.refuse_damage(data)
         depth, _ = png.depth_and_kind(data)
         plain = image.mode in (*_CV2_MODES, "RGBA") and "transparency" not in image.info
         return depth == 16 or (depth == 8 and plain)
-    if image.format == "TIFF":
-        bits = set(_tag(image, _BITS, (1,)))
-        return bits == {16} or (
-            bits == {8} and image.mode in _CV2_MODES and not _tag(image, _EXTRA_SAMPLES, ())
-        )
     return False
 
 
@@ -202,11 +232,8 @@ def _metadata(image: Image.Image, data: bytes, name: str) -> tuple[Metadata, lis
     if reader is None:
         return common, []
     try:
-        own = reader(data)
+        own, notes = reader(data)
     except _DAMAGE:
         return Metadata(), ["its metadata are damaged and were not kept"]
-    lost = [MAKER_NOTES_LOST] if name == "TIFF" and tiff.has_maker_notes(data) else []
-    return (
-        Metadata(own.exif, common.icc or own.icc, packet or own.xmp, common.dpi, own.records),
-        lost,
-    )
+    icc, xmp = common.icc or own.icc, own.xmp or (b"" if notes else packet)
+    return replace(own, icc=icc, xmp=xmp, dpi=common.dpi), notes

@@ -1,214 +1,191 @@
-"""The tagged structure of TIFF, which EXIF shares: directories of fields at any offset.
+"""TIFF files of every kind, read by tifffile, which is loaded for them only.
 
-Reading raises ValueError or struct.error where the structure makes no sense.
+Pixels come as they are stored; the orientation tag stays what it was. Kinds that cannot be
+corrected faithfully are refused by name.
 """
 
 from __future__ import annotations
 
-import struct
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+import logging
+from collections.abc import Generator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, BinaryIO
 
-from plumbline.photos.files.metadata import Metadata
+import numpy as np
+import tifffile
+from numpy.typing import NDArray
 
-MAKER_NOTES = 0x927C
-SOFTWARE, NEXT_IMAGE_OFFSET, NEXT_IMAGE_BYTES = 0x0131, 0x0201, 0x0202
-COMPRESSION, EXTRA_SAMPLES = 259, 338
-_XMP, _ICC, _X_DPI, _Y_DPI, _UNIT, _INCH = 700, 34675, 282, 283, 296, 2
-_SUB_DIRECTORIES = (34665, 34853, 40965)
-_ASCII, _SHORT, _LONG, _RATIONAL, _UNDEFINED, _BYTE = 2, 3, 4, 5, 7, 1
-_STRAIGHT_ALPHA = 2
+from plumbline.errors import ReadError
+from plumbline.photos.files.tiff_segments import decoded_segments
+from plumbline.photos.files.tiff_tags import DAMAGE
+from plumbline.photos.kinds import FLOATS, FLOATS_HINT, RAW_HINT
+from plumbline.wording import count
 
-_SIZES = {1: 1, 2: 1, 3: 2, 4: 4, 5: 8, 6: 1, 7: 1, 8: 2, 9: 4, 10: 8, 11: 4, 12: 8, 13: 4}
-_SWAPPED_BY = {3: 2, 4: 4, 5: 4, 8: 2, 9: 4, 10: 4, 11: 4, 12: 8, 13: 4}
+Pixels = NDArray[Any]
 
-_LAYOUT = frozenset(
-    (
-        *(*range(254, 260), 262, 263, 266, 273, 277, 278, 279, 284, *range(290, 294), 301),
-        *(*range(317, 321), *range(322, 326), 330, *range(338, 342), 347),
-        *(*range(512, 522), 529, 530, 531, 532, 37724),
-    )
-)
-"""Fields that describe the pixels as stored, and Photoshop's uncorrected layers."""
-
-_MOST_FIELDS = 4096
-_DEEPEST = 3
+_DNG_VERSION, _EXTRA_SAMPLES = 50706, 338
+_RAW_PHOTOMETRICS = (32803, 34892)
+_COLOURS = {0: 1, 1: 1, 2: 3, 3: 1, 5: 4}
+_UNREADABLE = {
+    4: "a transparency mask",
+    6: "YCbCr without JPEG compression",
+    8: "CIE L*a*b* colours",
+    9: "ICC L*a*b* colours",
+    10: "ITU L*a*b* colours",
+    32844: "LogL values",
+    32845: "LogLuv colours",
+}
+_JPEG, _YCBCR, _RGB, _PALETTE, _SEPARATED = 7, 6, 2, 3, 5
+_ASSOCIATED, _STRAIGHT = 1, 2
+_HINT = "save it again as an RGB TIFF with 8 or 16 bits a channel"
 
 
 @dataclass(frozen=True)
-class Field:
-    """One entry of a directory.
+class Decoded:
+    """Pixels of a TIFF file.
 
     Attributes:
-        tag: What it is.
-        kind: Type of its values.
-        data: The values' bytes, in the block's byte order.
-        children: The fields of the directory it points to.
+        pixels: As `Picture` has them.
+        inks: Whether they are four inks.
+        notes: What was left out, in plain sentences.
     """
 
-    tag: int
-    kind: int
-    data: bytes
-    children: tuple[Field, ...] = ()
-
-    @property
-    def count(self) -> int:
-        """Number of values."""
-        return len(self.data) // _SIZES[self.kind]
+    pixels: Pixels
+    inks: bool
+    notes: tuple[str, ...]
 
 
-def byte_order(block: bytes) -> str:
-    """`<` or `>`, as struct has it."""
-    order = {b"II*\0": "<", b"MM\0*": ">"}.get(block[:4])
-    if order is None:
-        raise ValueError("this is no TIFF structure")
-    return order
+@contextmanager
+def opened(source: str | Path | BinaryIO, path: str | Path) -> Generator[tifffile.TiffPage]:
+    """The page of a TIFF file that holds the photograph.
 
-
-def first_directory(block: bytes) -> int:
-    """Where the first directory begins."""
-    return int(struct.unpack_from(byte_order(block) + "I", block, 4)[0])
-
-
-def read_directory(block: bytes, at: int, deep: int = 0) -> tuple[list[Field], int]:
-    """The fields of the directory at an offset, and the offset of the next one or 0."""
-    order = byte_order(block)
-    (count,) = struct.unpack_from(order + "H", block, at)
-    if count > _MOST_FIELDS or deep > _DEEPEST:
-        raise ValueError("the directory is too large")
-    fields: list[Field] = []
-    for index in range(count):
-        entry = at + 2 + 12 * index
-        tag, kind, values = struct.unpack_from(order + "HHI", block, entry)
-        if kind not in _SIZES:
-            continue
-        size = values * _SIZES[kind]
-        start = entry + 8 if size <= 4 else struct.unpack_from(order + "I", block, entry + 8)[0]
-        data = block[start : start + size]
-        if len(data) < size:
-            raise ValueError("a field ends beyond the file")
-        children: tuple[Field, ...] = ()
-        if tag in _SUB_DIRECTORIES and size == 4:
-            (below,) = struct.unpack(order + "I", data)
-            children = tuple(read_directory(block, below, deep + 1)[0])
-        fields.append(Field(tag, kind, data, children))
-    (following,) = struct.unpack_from(order + "I", block, at + 2 + 12 * count)
-    return fields, int(following)
-
-
-def directory_bytes(fields: Iterable[Field], at: int, order: str, following: int = 0) -> bytes:
-    """A directory for the offset `at`, its values and sub-directories behind it.
-
-    Sub-directories that hold nothing are left out.
+    Raises:
+        ReadError: it is a raw file, or no photograph is in it.
+        Exception: one of `DAMAGE`, where it makes no sense.
     """
-    held = (field for field in fields if field.children or field.tag not in _SUB_DIRECTORIES)
-    ordered = sorted(held, key=lambda field: field.tag)
-    end = at + 2 + 12 * len(ordered) + 4
-    table, heap = struct.pack(order + "H", len(ordered)), b""
-    for field in ordered:
-        place = end + len(heap)
-        if field.children:
-            value = struct.pack(order + "I", place)
-            heap += _even(directory_bytes(field.children, place, order))
-        elif len(field.data) <= 4:
-            value = field.data.ljust(4, b"\0")
-        else:
-            value = struct.pack(order + "I", place)
-            heap += _even(field.data)
-        table += struct.pack(order + "HHI", field.tag, field.kind, field.count) + value
-    return table + struct.pack(order + "I", following) + heap
+    logger = logging.getLogger("tifffile")
+    if not logger.handlers:
+        logger.addHandler(logging.NullHandler())  # what it logs must not reach the user
+    with tifffile.TiffFile(source) as file:
+        if not len(file.pages):
+            raise ValueError("it holds no picture")
+        _refuse_raw(file, path)
+        for page in file.pages:
+            if isinstance(page, tifffile.TiffPage) and not int(page.subfiletype) & 0b101:
+                yield page
+                return
+        yield file.pages.first
 
 
-def new_block(fields: Iterable[Field]) -> bytes:
-    """A block of its own with one directory, little-endian."""
-    return b"II*\0" + struct.pack("<I", 8) + directory_bytes(fields, 8, "<")
+def pictures(page: tifffile.TiffPage) -> int:
+    """How many pictures of full size the page's file holds."""
+    kinds = [int(getattr(each, "subfiletype", 1)) for each in page.parent.pages]
+    return sum(not kind & 0b101 for kind in kinds)
 
 
-def with_software(fields: Sequence[Field], note: str) -> list[Field]:
-    """The fields with a note appended to Software."""
-    old = next((field.data for field in fields if field.tag == SOFTWARE), b"")
-    parts = [old.split(b"\0")[0].strip(), note.encode("ascii", "replace")]
-    text = b"; ".join(part for part in parts if part) + b"\0"
-    return [*(f for f in fields if f.tag != SOFTWARE), Field(SOFTWARE, _ASCII, text)]
+def size_of(page: tifffile.TiffPage) -> tuple[int, int]:
+    """Width and height as stored."""
+    return int(page.imagewidth), int(page.imagelength)
 
 
-def read_metadata(data: bytes) -> Metadata:
-    """The metadata of a TIFF file, its EXIF as a block of its own."""
-    fields = _in_order(_described(data), byte_order(data), "<")
-    icc = next((field.data for field in fields if field.tag == _ICC), b"")
-    xmp = next((field.data for field in fields if field.tag == _XMP), b"")
-    return Metadata(new_block(f for f in fields if f.tag not in (_ICC, _XMP)), icc, xmp)
+def read_pixels(page: tifffile.TiffPage, path: str | Path) -> Decoded:
+    """The pixels of a page, blue before green before red.
 
-
-def with_metadata(data: bytes, metadata: Metadata, note: str, *, alpha: bool) -> bytes:
-    """A little-endian TIFF file with metadata added to its first directory."""
-    layout = [f for f in read_directory(data, first_directory(data))[0] if f.tag in _LAYOUT]
-    if alpha and not any(field.tag == EXTRA_SAMPLES for field in layout):
-        layout.append(Field(EXTRA_SAMPLES, _SHORT, struct.pack("<H", _STRAIGHT_ALPHA)))
-    block = metadata.exif
-    fields = _in_order(_described(block), byte_order(block), "<") if block else []
-    fields = with_software(fields, note)
-    if metadata.icc:
-        fields.append(Field(_ICC, _UNDEFINED, metadata.icc))
-    if metadata.xmp:
-        fields.append(Field(_XMP, _BYTE, metadata.xmp))
-    if metadata.dpi and not any(field.tag == _X_DPI for field in fields):
-        across, down = (struct.pack("<II", round(value * 1000), 1000) for value in metadata.dpi)
-        fields += [Field(_X_DPI, _RATIONAL, across), Field(_Y_DPI, _RATIONAL, down)]
-        fields.append(Field(_UNIT, _SHORT, struct.pack("<H", _INCH)))
-    data = _even(data)
-    return (
-        data[:4]
-        + struct.pack("<I", len(data))
-        + data[8:]
-        + directory_bytes([*layout, *fields], len(data), "<")
-    )
-
-
-def with_fields(data: bytes, fields: Iterable[Field]) -> bytes:
-    """A little-endian TIFF file with fields added to its first directory."""
-    held, _ = read_directory(data, first_directory(data))
-    data = _even(data)
-    return (
-        data[:4]
-        + struct.pack("<I", len(data))
-        + data[8:]
-        + directory_bytes([*held, *fields], len(data), "<")
-    )
-
-
-def _described(block: bytes) -> list[Field]:
-    """The first directory's fields but for those that describe the stored pixels.
-
-    Maker notes are left out too: they refer to places in the block, and would be garbage at
-    others.
+    Raises:
+        ReadError: its kind of pixels cannot be corrected faithfully.
+        Exception: one of `DAMAGE`.
     """
-    fields, _ = read_directory(block, first_directory(block))
-    return [
-        replace(field, children=tuple(c for c in field.children if c.tag != MAKER_NOTES))
-        for field in fields
-        if field.tag not in _LAYOUT
-    ]
+    compression = int(page.compression)
+    photometric = int(page.photometric)
+    if compression == _JPEG and photometric == _YCBCR:
+        photometric = _RGB  # the decoder turns it into RGB
+    bits = _checked_bits(page, photometric, path)
+    colours = _COLOURS[photometric]
+    extra = [int(each) for each in page.extrasamples]
+    if _EXTRA_SAMPLES not in page.tags and int(page.samplesperpixel) == colours + 1:
+        extra = [_STRAIGHT]  # OpenCV and others write alpha without saying so
+    alpha = extra[0] if extra and photometric != _SEPARATED else 0
+    kept = colours + (1 if alpha in (_ASSOCIATED, _STRAIGHT) else 0)
+    stored = max(int(page.samplesperpixel), colours)
+    order = [2, 1, 0, 3][:kept] if photometric == _RGB else list(range(kept))
+    pixels = _scaled(decoded_segments(page, order, path), bits)
+    if photometric == 0:
+        full = np.iinfo(pixels.dtype).max
+        pixels[..., 0] = full - pixels[..., 0]
+    if photometric == _PALETTE:
+        pixels = _coloured(pixels, page, bits)
+    if alpha == _ASSOCIATED:
+        pixels = _straight(pixels)
+    notes: list[str] = []
+    if stored > kept:
+        n = count(stored - kept, "further channel")
+        notes.append(f"{n} of the TIFF, neither colour nor transparency, left out")
+    if pixels.shape[2] == 1:
+        pixels = pixels[..., 0]
+    return Decoded(np.ascontiguousarray(pixels), photometric == _SEPARATED, tuple(notes))
 
 
-def has_maker_notes(block: bytes) -> bool:
-    """Whether a TIFF file or an EXIF block holds maker notes, which no other TIFF can take."""
-    fields, _ = read_directory(block, first_directory(block))
-    return any(child.tag == MAKER_NOTES for field in fields for child in field.children)
+def _refuse_raw(file: tifffile.TiffFile, path: str | Path) -> None:
+    first = file.pages.first
+    if _DNG_VERSION in first.tags:
+        raise ReadError("this is a raw file (DNG)", path=path, hint=RAW_HINT)
+    below: list[Any] = []
+    if first.subifds:
+        try:
+            below = list(first.pages or ())
+        except DAMAGE:
+            below = []
+    for page in (first, *below):
+        tag = page.tags.get(262) if hasattr(page, "tags") else None
+        if tag is not None and tag.value in _RAW_PHOTOMETRICS:
+            raise ReadError("this is a raw file of a camera", path=path, hint=RAW_HINT)
 
 
-def _in_order(fields: Iterable[Field], order: str, wanted: str) -> list[Field]:
-    """The fields with their values in another byte order."""
-    if order == wanted:
-        return list(fields)
-    turned: list[Field] = []
-    for field in fields:
-        size = _SWAPPED_BY.get(field.kind, 1)
-        parts = (field.data[i : i + size][::-1] for i in range(0, len(field.data), size))
-        children = tuple(_in_order(field.children, order, wanted))
-        turned.append(replace(field, data=b"".join(parts), children=children))
-    return turned
+def _checked_bits(page: tifffile.TiffPage, photometric: int, path: str | Path) -> int:
+    """Bits of a sample, where the pixels are of a kind that can be corrected."""
+    bits: Any = page.bitspersample
+    if page.dtype is not None and np.dtype(page.dtype).kind in "fc":
+        raise ReadError(FLOATS, path=path, hint=FLOATS_HINT)
+    if page.dtype is not None and np.dtype(page.dtype).kind == "i":
+        raise ReadError("the TIFF holds signed integers", path=path, hint=_HINT)
+    if page.dtype is None or not isinstance(bits, int) or bits > 16:
+        raise ReadError(f"a TIFF with {bits} bits a sample is not supported", path=path, hint=_HINT)
+    if photometric not in _COLOURS:
+        name = _UNREADABLE.get(photometric, f"pixels of kind {photometric}")
+        raise ReadError(f"a TIFF with {name} is not supported", path=path, hint=_HINT)
+    if photometric == _SEPARATED and int(page.samplesperpixel) < 4:
+        raise ReadError("a TIFF with fewer than four inks is not supported", path=path, hint=_HINT)
+    if int(page.imagedepth) != 1:
+        raise ReadError("a TIFF of a volume is not supported", path=path, hint=_HINT)
+    return bits
 
 
-def _even(data: bytes) -> bytes:
-    return data + b"\0" * (len(data) % 2)
+def _scaled(samples: Pixels, bits: int) -> Pixels:
+    """Samples spread over the whole of 8 or 16 bits."""
+    if bits in (8, 16):
+        return samples
+    full = 2**bits - 1
+    if bits < 8:
+        return (samples.astype(np.uint16) * 255 // full).astype(np.uint8)
+    return ((samples.astype(np.uint32) * 65535 + full // 2) // full).astype(np.uint16)
+
+
+def _coloured(indices: Pixels, page: tifffile.TiffPage, bits: int) -> Pixels:
+    """The colours of a palette, 16 bits each in the file."""
+    table = np.asarray(page.colormap)
+    if table.max(initial=0) > 255:
+        table = table >> 8
+    places = indices[..., 0] if bits == 8 else (indices[..., 0].astype(int) * (2**bits - 1)) // 255
+    colours = table[::-1, places].astype(np.uint8)
+    return np.concatenate((np.moveaxis(colours, 0, -1), indices[..., 1:]), axis=-1)
+
+
+def _straight(pixels: Pixels) -> Pixels:
+    """Colours that were multiplied by alpha, divided by it again."""
+    full = float(np.iinfo(pixels.dtype).max)
+    alpha = pixels[..., -1:].astype(np.float64)
+    colours = pixels[..., :-1] * (full / np.maximum(alpha, 1))
+    colours = np.clip(np.rint(colours), 0, full).astype(pixels.dtype)
+    return np.concatenate((colours, pixels[..., -1:]), axis=-1)

@@ -5,15 +5,16 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from plumbline.frame import Array
+from plumbline.frame import Array, Frame
 from plumbline.report.figures import style
 from plumbline.report.figures.subject import Drawn, Subject, drawn_lines, round_factor
 
 _TALLEST = 8.0
 _MARGINS = 0.75, 1.0
 _SHOWN = 0.04
-_CASING = "#10131a"
+CASING = "#10131a"
 
 
 def photo(subject: Subject) -> Any:
@@ -23,28 +24,29 @@ def photo(subject: Subject) -> Any:
     made = subject.made
     frame = made.observations.photos[subject.photo].frame
     lines = [line for line in drawn_lines(made) if line.photo == subject.photo]
-    figure = style.sheet(*_size(frame.height / frame.width / frame.pixel_aspect))
+    figure = style.sheet(*page_size(frame))
     axes = figure.subplots()
-    _ground(axes, subject)
-    axes.set_aspect(1 / frame.pixel_aspect)
+    blank(axes, frame, None if subject.picture is None else subject.picture.pixels)
     raster = sum(len(line.kept) for line in lines) > style.MANY
     thin = 0.4 if raster else 1.0
+    lines_of_a_fit = [line.curve_px for line in lines if len(line.curve_px)]
     curves = LineCollection(
-        [line.curve_px for line in lines],
+        lines_of_a_fit,
         colors=style.SKY,
         linewidths=1.1 * thin,
-        path_effects=_cased(2.2 * thin, _CASING),
+        path_effects=cased(2.2 * thin, CASING),
         rasterized=raster,
         label="fitted lines, as the lens shows them",
     )
-    axes.add_collection(curves, autolim=False)
+    if lines_of_a_fit:
+        axes.add_collection(curves, autolim=False)
     factor = magnification(lines, min(frame.square_size))
     axes.add_collection(
         LineCollection(
             list(_whiskers(lines, factor)),
             colors=style.ORANGE,
             linewidths=1.7 * thin,
-            path_effects=_cased(3.0 * thin, "white"),
+            path_effects=cased(3.0 * thin, "white"),
             rasterized=raster,
             label=f"residuals, magnified {factor:g} times",
         ),
@@ -52,8 +54,10 @@ def photo(subject: Subject) -> Any:
     )
     kept, out = (_points(lines, kept=which) for which in (True, False))
     dots: dict[str, Any] = {"linestyle": "none", "rasterized": raster, "zorder": 4}
-    look: dict[str, Any] = {"mfc": _CASING, "mec": "white", "mew": 0.8 * thin}
-    axes.plot(*kept.T, "o", ms=3.2 * thin, label="picks", **look, **dots)
+    look: dict[str, Any] = {"mfc": CASING, "mec": "white", "mew": 0.8 * thin}
+    axes.plot(
+        *kept.T, "o", ms=3.2 * thin, label="picks" if lines_of_a_fit else "matches", **look, **dots
+    )
     if len(out):
         axes.plot(
             *out.T, "X", ms=6, mfc=style.PURPLE, mec="white", mew=0.8, label="left out", **dots
@@ -63,22 +67,24 @@ def photo(subject: Subject) -> Any:
     return figure
 
 
-def _size(ratio: float) -> tuple[float, float]:
-    """Width and height of the sheet around a photo of that height over width."""
+def page_size(frame: Frame) -> tuple[float, float]:
+    """Width and height of the sheet around a photo."""
+    ratio = frame.height / frame.width / frame.pixel_aspect
     across, down = _MARGINS
     height = min((style.FULL - across) * ratio, _TALLEST)
     return style.FULL, height + down
 
 
-def _ground(axes: Any, subject: Subject) -> None:
-    frame = subject.made.observations.photos[subject.photo].frame
+def blank(axes: Any, frame: Frame, pixels: NDArray[np.uint8] | None) -> None:
+    """A frame in a photo's own pixels, with its picture where there is one."""
     right, bottom = frame.width - 0.5, frame.height - 0.5
-    if subject.picture is not None:
+    if pixels is not None:
         extent = (-0.5, right, bottom, -0.5)
-        axes.imshow(subject.picture.pixels, extent=extent, interpolation="none", aspect="auto")
+        axes.imshow(pixels, extent=extent, interpolation="none", aspect="auto")
         axes.grid(visible=False)
     axes.set_xlim(-0.5, right)
     axes.set_ylim(bottom, -0.5)
+    axes.set_aspect(1 / frame.pixel_aspect)
     axes.spines[["top", "right"]].set_visible(True)
     axes.set_xlabel("x, px")
     axes.set_ylabel("y, px")
@@ -110,7 +116,7 @@ def _suspects(axes: Any, subject: Subject, lines: list[Drawn], *, raster: bool) 
     if not named:
         return
     rings = np.concatenate([drawn[each.line].observed_px[list(each.picks)] for each in named])
-    for width, colour, label in ((3.0, _CASING, None), (1.5, style.YELLOW, "suspicious")):
+    for width, colour, label in ((3.0, CASING, None), (1.5, style.YELLOW, "suspicious")):
         look = {
             "mfc": "none",
             "mec": colour,
@@ -122,7 +128,7 @@ def _suspects(axes: Any, subject: Subject, lines: list[Drawn], *, raster: bool) 
         axes.plot(*rings.T, "o", label=label, **look)
 
 
-def _cased(width: float, colour: str) -> list[Any]:
+def cased(width: float, colour: str) -> list[Any]:
     """A line with a casing, which shows on every ground."""
     from matplotlib.patheffects import Normal, Stroke
 

@@ -11,10 +11,12 @@ from plumbline.files import MARK
 from plumbline.report.page import tables
 from plumbline.report.page.figures import count_figures, figures, photo_name
 from plumbline.report.page.markup import Element, Node, document, tag
+from plumbline.report.page.verdict import limits, recommends_the_fitted, verdict
 from plumbline.report.photos import Found
 from plumbline.report.terminal.summary import finding_sentence, lens_title
 from plumbline.result.calibration import Calibration
 from plumbline.result.comparison import Comparison
+from plumbline.result.pair import PairCalibration
 from plumbline.wording import count
 
 _RESIDUALS = {
@@ -38,11 +40,25 @@ class Part:
     compared: Comparison | None = None
 
 
-def page_bytes(parts: Sequence[Part]) -> bytes:
+@dataclass(frozen=True)
+class Assignment:
+    """What a report is for.
+
+    Attributes:
+        case: Name or number of the case; may be empty.
+        examiner: Who calibrated; may be empty.
+    """
+
+    case: str = ""
+    examiner: str = ""
+
+
+def page_bytes(parts: Sequence[Part], assignment: Assignment) -> bytes:
     """The page; the same calibrations and photos give the same bytes.
 
     Args:
         parts: One a lens.
+        assignment: What the report is for.
     """
     names = [lens_title(part.made.observations) for part in parts]
     style = files("plumbline.report.page").joinpath("page.css").read_text("utf-8")
@@ -63,11 +79,21 @@ def page_bytes(parts: Sequence[Part]) -> bytes:
     heading = names[0] if len(parts) == 1 else count(len(parts), "lens").replace("lenss", "lenses")
     body = tag(
         "body",
-        tag("header", tag("h1", f"Lens calibration: {heading}")),
+        tag("header", tag("h1", f"Lens calibration: {heading}"), _assigned(assignment)),
         tag("main", *sections),
         tag("footer", f"Made by plumbline {__version__}."),
     )
     return document(head, body)
+
+
+def _assigned(assignment: Assignment) -> Element | None:
+    given = [
+        (name, text)
+        for name, text in (("Case", assignment.case), ("Examiner", assignment.examiner))
+        if text
+    ]
+    rows = [node for name, text in given for node in (tag("dt", name), tag("dd", text))]
+    return tag("dl", *rows) if rows else None
 
 
 def _style(text: str) -> Element:
@@ -80,7 +106,8 @@ def _style(text: str) -> Element:
 def _section(part: Part, first: int) -> Iterator[Node]:
     made = part.made
     yield tag("p", f"{finding_sentence(made)}.", class_="finding")
-    yield tag("div", *(tag("p", sentence) for sentence in tables.quote(made)), class_="quote")
+    yield tag("p", verdict(made, part.compared), class_="quote")
+    yield tag("dl", *(node for pair in _subject(part) for node in pair))
     yield from (tag("p", f"{note}.", class_="muted") for note in part.found.notes)
     yield from figures(made, part.found, first)
     yield tag("h3", "Coefficients")
@@ -89,49 +116,83 @@ def _section(part: Part, first: int) -> Iterator[Node]:
     if matrix is not None:
         yield tag("h3", "Correlations")
         yield matrix
-    yield tag("h3", "Straightness of the lines")
-    yield tables.straightness(made)
-    yield tag("h3", "Suspicious picks")
-    yield tables.suspects(made)
+    if isinstance(made, PairCalibration):
+        yield tag("h3", "Matches by part of the photo")
+        yield tables.straightness(made)
+    else:
+        yield tag("h3", "Straightness of the lines")
+        yield tables.straightness(made)
+        yield tag("h3", "Suspicious picks")
+        yield tables.suspects(made)
     yield tag("h3", "Checks")
     yield tables.checks(made)
+    yield from (tag("p", sentence, class_="muted") for sentence in tables.errors(made))
     if part.compared is not None:
         yield tag("h3", "Models compared")
-        yield from tables.comparison(part.compared)
-    yield tag("h3", "Notes")
-    yield tag("ul", *(tag("li", note) for note in made.notes)) if made.notes else tag("p", "None.")
+        fitted = recommends_the_fitted(made, part.compared)
+        yield from tables.comparison(part.compared, quoted=fitted)
+    yield tag("h3", "Limits")
+    yield tag("ul", *(tag("li", sentence) for sentence in limits(made)))
+    notes = tables.further_notes(made)
+    if notes:
+        yield tag("h3", "Notes")
+        yield tag("ul", *(tag("li", note) for note in notes))
     yield tag("h3", "How it was made")
     yield tag("dl", *(node for pair in _provenance(part) for node in pair))
+    yield tag("h3", "Picks")
+    yield from tables.picks(made)
 
 
-def _provenance(part: Part) -> Iterator[tuple[Node, Node]]:
-    made = part.made
+def _row(name: str, *content: Node) -> tuple[Node, Node]:
+    return tag("dt", name), tag("dd", *content)
 
-    def row(name: str, *content: Node) -> tuple[Node, Node]:
-        return tag("dt", name), tag("dd", *content)
 
-    yield row("plumbline", made.version)
-    if made.command:
-        yield row("command", tag("code", made.command))
-    for origin in made.observations.origins:
-        yield row("points", f"{origin.path} ({origin.format})", *_checksum(origin.sha256))
-    pictures = zip(made.observations.photos, part.found.pictures, strict=True)
+def _subject(part: Part) -> Iterator[tuple[Node, Node]]:
+    """Which camera, lens and photos it is about."""
+    observations = part.made.observations
+    facts = observations.lenses[0]
+    serials = dict.fromkeys(photo.serial for photo in observations.photos if photo.serial)
+    focal_mm = facts.focal_length_mm(part.made.lens.frame)
+    rows = {
+        "camera": facts.camera,
+        "serial number": ", ".join(serials),
+        "lens": facts.model,
+        "focal length": f"{focal_mm:.4g} mm" if focal_mm else "",
+    }
+    yield from (_row(name, text or "not known") for name, text in rows.items())
+    pictures = zip(observations.photos, part.found.pictures, strict=True)
     for photo, picture in pictures:
         width, height = photo.frame.size
         shown = f"{photo_name(photo)}, {width} × {height} px"
         if photo.pixel_aspect != 1:
             shown += f", pixel aspect {photo.pixel_aspect:g}"
-        yield row("photo", shown, *_checksum(picture.sha256 if picture else ""))
+        if photo.taken:
+            shown += f", taken {photo.taken} (EXIF)"
+        note = ""
+        if not photo.sha256 and picture is not None:
+            note = " (of the picture shown; that of the picked one was not recorded)"
+        sha256 = photo.sha256 or (picture.sha256 if picture else "")
+        yield _row("photo", shown, *_checksum(sha256, note))
+
+
+def _provenance(part: Part) -> Iterator[tuple[Node, Node]]:
+    made = part.made
+
+    yield _row("plumbline", made.version)
+    if made.command:
+        yield _row("command", tag("code", made.command))
+    for origin in made.observations.origins:
+        yield _row("points", f"{origin.path} ({origin.format})", *_checksum(origin.sha256))
     model = made.lens.model
-    yield row(
+    yield _row(
         "model",
         f"{made.model}: {model.formula}, {model.direction}; r in units of {model.unit}, scale 1 "
         f"at r = {model.gauge}. {model.source}",
     )
-    yield row("free", ", ".join(made.free))
-    yield row("residuals", _RESIDUALS[made.residual])
-    yield row("fit", f"{'robust' if made.robust else 'least squares'}; {made.reason}")
+    yield _row("free", ", ".join(made.free))
+    yield _row("residuals", _RESIDUALS[made.residual])
+    yield _row("fit", f"{'robust' if made.robust else 'least squares'}; {made.reason}")
 
 
-def _checksum(sha256: str) -> tuple[Node, ...]:
-    return (tag("br"), tag("code", f"SHA-256 {sha256}")) if sha256 else ()
+def _checksum(sha256: str, note: str = "") -> tuple[Node, ...]:
+    return (tag("br"), tag("code", f"SHA-256 {sha256}"), note) if sha256 else ()

@@ -13,12 +13,17 @@ from plumbline.report.terminal.comparison import coefficient_texts, figures
 from plumbline.report.terminal.summary import decimals
 from plumbline.result.calibration import Calibration
 from plumbline.result.comparison import Candidate, Comparison
+from plumbline.result.pair import PairCalibration
 from plumbline.trust.check import Check
 from plumbline.trust.student import quantile
 from plumbline.trust.suspect import Suspect
 from plumbline.wording import count, px
 
 _STRONG = 0.9
+"""As `plumbline.result.notes` has it."""
+
+_MOST_PICKS = 3_000
+"""Chosen, because more fill over fifty pages, which nobody reads; the JSON holds all."""
 
 
 def coefficients(made: Calibration) -> Iterator[Element]:
@@ -74,7 +79,9 @@ def straightness(made: Calibration) -> Element:
     """Every line before and after."""
     photos = made.observations.photos
     several = len(photos) > 1
-    head = ["line", *(["photo"] if several else []), "points"]
+    paired = isinstance(made, PairCalibration)
+    head = ["part (row.column)" if paired else "line", *(["photo"] if several else [])]
+    head.append("matches" if paired else "points")
     if made.robust:
         head.append("left out")
     head += ["rms before, px", "rms after, px", "largest after, px"]
@@ -131,18 +138,24 @@ def checks(made: Calibration) -> Element:
 
 def _verdict(check: Check) -> Node:
     if check.passed and not check.doubtful:
-        return "✓ good"
+        return tag("span", "✓ good", class_="good")
     if check.passed:
         return tag("span", "? doubtful", class_="doubtful")
     return tag("span", "✗ bad", class_="bad")
 
 
-def comparison(compared: Comparison) -> Iterator[Element]:
-    """The models side by side, and the one to take."""
+def comparison(compared: Comparison, *, quoted: bool) -> Iterator[Element]:
+    """The models side by side, and the one to take.
+
+    Args:
+        compared: The models.
+        quoted: Whether its error to quote is of the model that was fitted.
+    """
     chosen = compared.candidates[compared.recommended]
     yield tag("p", tag("b", f"Recommended: {chosen.name}."), f" {compared.reason}.")
-    if compared.notes:
-        yield tag("ul", *(tag("li", note) for note in compared.notes))
+    notes = [note for note in compared.notes if quoted or note != compared.quote]
+    if notes:
+        yield tag("ul", *(tag("li", note) for note in notes))
     head = (
         "model",
         "coefficients",
@@ -175,36 +188,62 @@ def _candidate(each: Candidate, index: int, compared: Comparison) -> list[Node]:
     return [model, values, *figures(each, compared)]
 
 
-def quote(made: Calibration) -> Iterator[str]:
-    """The error to quote, in sentences."""
-    sure, other = made.quoted_displacement, made.displacement
-    if sure is None or other is None:
-        yield "The model folds inside the photo, so that the error of the correction is not known."
+def errors(made: Calibration) -> Iterator[str]:
+    """Where the error to quote comes from, in sentences."""
+    sure, wide = made.displacement, made.jackknife_displacement
+    if sure is None:
         return
-    left = made.jackknife
-    dof = left.dof if made.quotes_jackknife and left is not None else made.dof
-    interval = px(quantile(0.975, dof) * sure.worst_px)
-    yield (
-        f"Error to quote: the correction is uncertain by {px(sure.worst_px)} {sure.worst_place}, "
-        f"where it is worst (one standard error; 95 %: ± {interval})."
-    )
-    wide = made.jackknife_displacement
     if made.quotes_jackknife:
         yield (
-            "It comes from leaving out one line at a time, and not from independent picking "
-            f"errors, which would make {px(other.worst_px)}: picks of one line err together, or "
-            "few lines carry the result."
+            "The error to quote comes from leaving out one line at a time, and not from "
+            f"independent picking errors, which give {px(sure.worst_px)}: picks of one line err "
+            "together, or few lines carry the result."
         )
     elif wide is not None:
         yield (
-            f"It holds for independent picking errors; leaving out one line at a time says "
-            f"{px(wide.worst_px)}."
+            "The error to quote holds for independent picking errors; leaving out one line at a "
+            f"time gives {px(wide.worst_px)}."
         )
     else:
-        yield "It holds for independent picking errors; errors common to one line are not in it."
-    more = made.model_error
-    if more is not None:
-        yield (
-            f"Not in it is the model's own error: a richer model (with {more.names}) would move "
-            f"the correction by up to {px(more.largest_px)} (± {px(more.error_px)})."
-        )
+        yield "The error to quote holds for independent picking errors only."
+
+
+def further_notes(made: Calibration) -> list[str]:
+    """The notes that no table of the page holds already."""
+    told = {check.sentence for check in made.checks}
+    return [note for note in made.notes if note not in told]
+
+
+def picks(made: Calibration) -> Iterator[Element]:
+    """Every pick with its residual, one small table a line."""
+    photos, n_points = made.observations.photos, made.observations.n_points
+    yield tag(
+        "p",
+        f"{count(n_points, 'pick')} in pixels of the photo, from the centre of its top-left "
+        "pixel; residuals in pixels, in the order along each line.",
+        class_="muted",
+    )
+    shown = 0
+    blocks: list[Element] = []
+    every = zip(made.observations.lines, made.residuals_px, made.kept, strict=True)
+    for line, residuals_px, kept in every:
+        if shown + len(kept) > _MOST_PICKS:
+            break
+        shown += len(kept)
+        photo = f" in {photo_name(photos[line.photo])}" if len(photos) > 1 else ""
+        title = tag("b", f"line {line.label}{photo}")
+        rows: list[list[Node]] = [
+            [
+                str(number),
+                f"{x:.2f}",
+                f"{y:.2f}",
+                _finite(residual, "+.2f") if fitted else "left out",
+            ]
+            for number, ((x, y), residual, fitted) in enumerate(
+                zip(line.points_px.tolist(), residuals_px.tolist(), kept.tolist(), strict=True), 1
+            )
+        ]
+        blocks.append(tag("div", title, table(("pick", "x", "y", "residual"), rows)))
+    yield tag("div", *blocks, class_="picks")
+    if shown < n_points:
+        yield tag("p", f"{count(n_points - shown, 'more pick')} in the JSON of the result.")

@@ -22,7 +22,7 @@ def seen(lines: list[Array]) -> Picks:
     sizes = np.array([len(line) for line in lines])
     still = np.broadcast_to(np.eye(2), (len(points), 2, 2))
     one = np.zeros(len(points), dtype=np.int64)
-    return Picks(Ideal(points, still), sizes, line_numbers(sizes), one, np.array([1]))
+    return Picks(Ideal(points, still), sizes, line_numbers(sizes), one, np.array([1]), np.zeros(1))
 
 
 def judged(lines: list[Array], excuse: Array | float = 0.0) -> Agreed:

@@ -165,7 +165,7 @@ def test_json_reads_back_exactly(tmp_path: Path) -> None:
         ("model", "opencv"),
         ("nodes", None),
         ("free", ["z"]),
-        ("lens", {}),
+        ("lens", 5),
         ("degree", "x"),
     ],
 )

@@ -250,3 +250,68 @@ def test_a_compressed_text_bomb_is_no_bomb(tmp_path: Path) -> None:
     (tmp_path / "a.png").write_bytes(data[:33] + chunk + data[33:])
     with contextlib.suppress(plumbline.PlumblineError):
         plumbline.correct(tmp_path / "a.png", NOTHING)
+
+
+@pytest.mark.parametrize("sampling", [0, 2])
+def test_inks_keep_their_sampling(tmp_path: Path, sampling: int) -> None:
+    image = Image.frombytes("CMYK", SIZE, texture(SIZE, 4).tobytes())
+    image.save(tmp_path / "a.jpg", quality=95, subsampling=sampling)
+    factors: list[Any] = []
+    for path in (tmp_path / "a.jpg", plumbline.correct(tmp_path / "a.jpg", BARREL).output):
+        with Image.open(path) as made:
+            factors.append([layer[1:3] for layer in made.layer])  # type: ignore[attr-defined]
+    assert (len(set(factors[0])) == 1) == (sampling == 0)
+    assert (len(set(factors[1])) == 1) == (sampling == 0)
+
+
+@pytest.mark.parametrize("progressive", [False, True])
+@pytest.mark.parametrize("channels", [1, 3, 4])
+@pytest.mark.parametrize("share", [0.3, 0.5, 0.9])
+def test_a_half_missing_jpeg_is_refused(
+    tmp_path: Path, share: float, channels: int, progressive: bool
+) -> None:
+    """Its pixels end early, with the mark of the end behind them."""
+    pixels = texture(SIZE, channels)
+    image = Image.fromarray(pixels[..., 0] if channels == 1 else pixels, None)
+    if channels == 4:
+        image = Image.frombytes("CMYK", SIZE, pixels.tobytes())
+    image.save(tmp_path / "a.jpg", quality=90, progressive=progressive)
+    plumbline.correct(tmp_path / "a.jpg", BARREL)
+    data = (tmp_path / "a.jpg").read_bytes()
+    start = data.index(b"\xff\xda")
+    (tmp_path / "b.jpg").write_bytes(data[: start + int(share * (len(data) - start))] + b"\xff\xd9")
+    with pytest.raises(
+        plumbline.PlumblineError, match=r"a part of its pixels is missing|its end is missing"
+    ):
+        plumbline.correct(tmp_path / "b.jpg", BARREL)
+    assert not (tmp_path / "b_corrected.jpg").exists()
+
+
+def test_a_photo_with_an_even_border_is_not_taken_for_half_missing(tmp_path: Path) -> None:
+    for progressive in (False, True):
+        pixels = texture((640, 480))
+        pixels[300:] = 128
+        Image.fromarray(pixels).save(tmp_path / "a.jpg", quality=90, progressive=progressive)
+        plumbline.correct(tmp_path / "a.jpg", BARREL)
+
+
+@pytest.mark.parametrize(
+    ("head", "name"),
+    [
+        (b"\0\0\0\x18ftypheic", "HEIC"),
+        (b"\0\0\0\x18ftypavif", "AVIF"),
+        (b"\0\0\0\x18ftypcrx ", "CR3"),
+        (b"II*\0\x10\0\0\0CR\2\0", "CR2"),
+        (b"IIU\0", "RW2"),
+        (b"IIRO", "ORF"),
+        (b"FUJIFILMCCD-RAW 0201", "RAF"),
+        (b"8BPS", "PSD"),
+    ],
+)
+def test_kinds_that_are_not_read_are_refused_by_name(
+    tmp_path: Path, head: bytes, name: str
+) -> None:
+    (tmp_path / "a.jpg").write_bytes(head + bytes(400))
+    with pytest.raises(plumbline.PlumblineError, match=name) as error:
+        plumbline.correct(tmp_path / "a.jpg", BARREL)
+    assert "without lens correction" in error.value.hint

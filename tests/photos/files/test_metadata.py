@@ -16,10 +16,11 @@ from PIL import Image, ImageCms
 
 import plumbline
 from plumbline.lenses.request import LensRequest
-from plumbline.photos.files import exif, jpeg, tiff
+from plumbline.photos.files import exif, ifd, jpeg
 from plumbline.photos.files.metadata import Metadata, note_of
 from tests.imaging.painted import texture
 from tests.peers.tools import program, run
+from tests.photos import layouts
 
 PHOTOS = Path(__file__).parents[3] / "shared" / "data" / "photos"
 SIZE = (320, 240)
@@ -149,15 +150,15 @@ def test_the_orientation_and_the_pixels_stay_consistent(tmp_path: Path) -> None:
 
 def _block_with_thumbnail(thumbnail: bytes) -> bytes:
     pointer = struct.pack("<I", 200)
-    first = [tiff.Field(0x010F, 2, b"A maker\0")]
+    first = [ifd.Field(0x010F, 2, b"A maker\0")]
     second = [
-        tiff.Field(0x0103, 3, struct.pack("<H", 6)),
-        tiff.Field(0x0201, 4, struct.pack("<I", 400)),
-        tiff.Field(0x0202, 4, struct.pack("<I", len(thumbnail))),
+        ifd.Field(0x0103, 3, struct.pack("<H", 6)),
+        ifd.Field(0x0201, 4, struct.pack("<I", 400)),
+        ifd.Field(0x0202, 4, struct.pack("<I", len(thumbnail))),
     ]
-    head = b"II*\0" + struct.pack("<I", 8) + tiff.directory_bytes(first, 8, "<", 200)
+    head = b"II*\0" + struct.pack("<I", 8) + ifd.directory_bytes(first, 8, "<", 200)
     assert pointer == struct.pack("<I", 200)
-    block = head.ljust(200, b"\0") + tiff.directory_bytes(second, 200, "<")
+    block = head.ljust(200, b"\0") + ifd.directory_bytes(second, 200, "<")
     return block.ljust(400, b"\0") + thumbnail
 
 
@@ -176,12 +177,12 @@ def test_the_thumbnail_is_refreshed_or_dropped(
         tmp_path / "a.jpg", exif=b"Exif\0\0" + _block_with_thumbnail(old)
     )
     done = plumbline.correct(tmp_path / "a.jpg", BARREL)
-    block = jpeg.read_metadata(done.output.read_bytes()).exif
-    _, following = tiff.read_directory(block, tiff.first_directory(block))
+    block = jpeg.read_metadata(done.output.read_bytes())[0].exif
+    _, following = ifd.read_directory(block, ifd.first_directory(block))
     assert bool(following) == kept
     if not kept:
         return
-    found = {field.tag: field.data for field in tiff.read_directory(block, following)[0]}
+    found = {field.tag: field.data for field in ifd.read_directory(block, following)[0]}
     start, size_ = (struct.unpack("<I", found[tag])[0] for tag in (0x0201, 0x0202))
     with (
         Image.open(io.BytesIO(block[start : start + size_])) as fresh,
@@ -194,9 +195,9 @@ def test_the_thumbnail_is_refreshed_or_dropped(
 
 def test_nothing_in_an_exif_block_moves() -> None:
     block = _block_with_thumbnail(_thumbnail((160, 120)))
-    made = exif.annotated(block, "a note", lambda old: old)
+    made = exif.annotated(block, "a note", lambda old: old).block
     assert made[8 : len(block)] == block[8:]
-    fields, following = tiff.read_directory(made, tiff.first_directory(made))
+    fields, following = ifd.read_directory(made, ifd.first_directory(made))
     assert following == 200
     assert {field.tag: field.data for field in fields} == {
         0x010F: b"A maker\0",
@@ -209,16 +210,152 @@ def test_a_damaged_exif_block_is_kept_and_said_so(tmp_path: Path) -> None:
     Image.fromarray(texture(SIZE)).save(tmp_path / "a.jpg", exif=broken)
     done = plumbline.correct(tmp_path / "a.jpg", BARREL)
     assert any("damaged" in note for note in done.notes)
-    assert jpeg.read_metadata(done.output.read_bytes()).exif == broken[6:]
+    assert jpeg.read_metadata(done.output.read_bytes())[0].exif == broken[6:]
 
 
-def test_a_full_exif_segment_stays_within_jpeg_s_limit(tmp_path: Path) -> None:
-    block = tiff.new_block([tiff.Field(0x927C, 7, bytes(65480))])
-    assert len(block) <= exif.MOST_IN_JPEG
-    Image.fromarray(texture(SIZE)).save(tmp_path / "a.jpg", exif=b"Exif\0\0" + block)
+@pytest.mark.parametrize("thumbnail", [False, True])
+@pytest.mark.parametrize("order", "<>")
+def test_exif_of_every_size_up_to_the_segment_s_limit(
+    tmp_path: Path, thumbnail: bool, order: str
+) -> None:
+    """All of it is kept, the note beside it where it is full; the next run knows the result."""
+    small = _thumbnail((160, 120)) if thumbnail else b""
+    for size in (300 + len(small), 20_000, 65_300, 65_400, *range(65_495, 65_528)):
+        if size > 65_400 and size % 4 and size < 65_520:
+            continue
+        filling = size - len(_sized_block(0, small, order))
+        block = _sized_block(filling, small, order)
+        assert len(block) == size
+        Image.fromarray(texture((64, 48))).save(tmp_path / "a.png")
+        layouts.photo(tmp_path / "a.jpg", block, (160, 120))
+        for _ in range(2):  # the second time over the first result
+            done = plumbline.correct(tmp_path / "a.jpg", BARREL)
+        found = _fields_of(done.output)
+        assert found[0x010F].rstrip(b"\0") == b"A maker"
+        assert found[0x927C] == b"\xaa" * filling
+        if thumbnail:
+            assert b"corrected by plumbline" in found[0x0131]
+        told = any("noted in a comment" in note for note in done.notes)
+        assert told == (b"corrected by plumbline" not in found.get(0x0131, b""))
+        assert any("already" in note for note in plumbline.correct(done.output, BARREL).notes)
+
+
+def _sized_block(filling: int, thumbnail: bytes, order: str) -> bytes:
+    """An EXIF block with maker notes of a size, and a thumbnail."""
+    head = (b"II*\0" if order == "<" else b"MM\0*") + struct.pack(order + "I", 8)
+    at_notes = 8 + 2 + 3 * 12 + 4 + 8
+    at_exif = at_notes + filling
+    at_second = at_exif + 2 + 12 + 4
+    main = struct.pack(order + "H", 3)
+    main += struct.pack(order + "HHII", 0x010F, 2, 8, at_notes - 8)
+    main += struct.pack(order + "HHIHH", 0x0112, 3, 1, 1, 0)
+    main += struct.pack(order + "HHII", 0x8769, 4, 1, at_exif)
+    main += struct.pack(order + "I", at_second if thumbnail else 0) + b"A maker\0"
+    block = head + main + b"\xaa" * filling + struct.pack(order + "H", 1)
+    block += struct.pack(order + "HHII", 0x927C, 7, filling, at_notes) + bytes(4)
+    if not thumbnail:
+        return block
+    pointers = struct.pack(order + "H", 2)
+    start = at_second + 2 + 24 + 4
+    pointers += struct.pack(order + "HHII", 0x0201, 4, 1, start)
+    pointers += struct.pack(order + "HHII", 0x0202, 4, 1, len(thumbnail)) + bytes(4)
+    return block + pointers + thumbnail
+
+
+def _fields_of(path: Path) -> dict[int, bytes]:
+    """IFD0's and EXIF's fields, by Pillow's word for those it reads."""
+    block = jpeg.read_metadata(path.read_bytes())[0].exif
+    fields, _ = ifd.read_directory(block, ifd.first_directory(block))
+    with Image.open(path) as image:
+        assert str(image.getexif()[0x010F]).rstrip("\0") == "A maker"
+    return {f.tag: f.data for field in fields for f in (field, *field.children)}
+
+
+@pytest.mark.parametrize("size", [(1, 0, 1, 0), (0x010E, 2, 12, 5000), (0x010E, 99, 1, 0)])
+def test_broken_fields_are_left_out_and_told(tmp_path: Path, size: tuple[int, ...]) -> None:
+    entry = struct.pack("<HHII", *size)
+    maker = struct.pack("<HHII", 0x010F, 2, 8, 8 + 2 + 24 + 4)
+    block = b"II*\0" + struct.pack("<I", 8) + struct.pack("<H", 2) + maker + entry + bytes(4)
+    layouts.photo(tmp_path / "a.jpg", block + b"A maker\0")
     done = plumbline.correct(tmp_path / "a.jpg", BARREL)
-    assert any("full" in note for note in done.notes)
-    assert jpeg.read_metadata(done.output.read_bytes()).exif == block
+    assert "1 broken field of EXIF left out" in done.notes
+    found = listing(done.output)
+    assert found["EXIF:Make"] == "A maker"
+    assert "EXIF:ImageDescription" not in found
+    assert "Warning" not in "".join(found)
+    plumbline.correct(tmp_path / "a.jpg", BARREL)  # over its own result
+
+
+IPTC_RECORDS = b"\x1c\x02\x78\x00\x09A caption"
+
+
+def _with_iptc(path: Path) -> None:
+    resource = b"8BIM\x04\x04\0\0" + struct.pack(">I", len(IPTC_RECORDS)) + IPTC_RECORDS
+    payload = b"Photoshop 3.0\0" + resource
+    Image.fromarray(texture(SIZE)).save(path, comment="a remark")
+    data = path.read_bytes()
+    segment = struct.pack(">HH", 0xFFED, len(payload) + 2) + payload
+    path.write_bytes(data[:2] + segment + data[2:])
+
+
+@pytest.mark.parametrize("suffix", [".jpg", ".png", ".tif", ".webp"])
+def test_iptc_and_comments_go_along_or_are_told_of(tmp_path: Path, suffix: str) -> None:
+    _with_iptc(tmp_path / "a.jpg")
+    done = plumbline.correct(tmp_path / "a.jpg", BARREL, tmp_path / f"b{suffix}")
+    if suffix == ".webp":
+        assert "WEBP does not hold IPTC and a comment of the original: not kept" in done.notes
+        return
+    told = run([program("exiftool"), "-IPTC:Caption-Abstract", "-Comment", "-ImageDescription",
+                str(done.output)])  # fmt: skip
+    assert "A caption" in told
+    assert "a remark" in told
+    back = plumbline.correct(done.output, BARREL, tmp_path / "c.jpg")
+    told = run([program("exiftool"), "-IPTC:Caption-Abstract", "-Comment", "-ImageDescription",
+                str(back.output)])  # fmt: skip
+    assert "A caption" in told
+    assert "a remark" in told
+
+
+def _gain_map(path: Path, *, video: bytes = b"") -> None:
+    """As phones write them: XMP that tells of a second JPEG behind the first."""
+    second = _thumbnail((40, 30))
+    packet = (
+        b'<x:xmpmeta xmlns:x="adobe:ns:meta/"><rdf:RDF '
+        b'xmlns:rdf="http://www.w3.org/1999/02/22-rdf-syntax-ns#"><rdf:Description '
+        b'xmlns:dc="http://purl.org/dc/elements/1.1/" '
+        b'xmlns:hdrgm="http://ns.adobe.com/hdr-gain-map/1.0/" '
+        b'xmlns:Container="http://ns.google.com/photos/1.0/container/" '
+        b'xmlns:Item="http://ns.google.com/photos/1.0/container/item/" '
+        b'dc:format="a facade" hdrgm:Version="1.0"><Container:Directory><rdf:Seq><rdf:li '
+        b'rdf:parseType="Resource"><Container:Item Item:Semantic="GainMap" Item:Length="%d"/>'
+        b"</rdf:li></rdf:Seq></Container:Directory></rdf:Description></rdf:RDF></x:xmpmeta>"
+    ) % len(second)
+    Image.fromarray(texture(SIZE)).save(path, xmp=packet)
+    path.write_bytes(path.read_bytes() + second + video)
+
+
+@pytest.mark.parametrize("video", [b"", b"\0\0\0\x18ftypmp42" + bytes(40)])
+def test_a_gain_map_goes_with_its_promise_and_is_told_of(tmp_path: Path, video: bytes) -> None:
+    _gain_map(tmp_path / "a.jpg", video=video)
+    done = plumbline.correct(tmp_path / "a.jpg", BARREL)
+    what = "a gain map and a video" if video else "a gain map"
+    assert any(note.startswith(f"{what} behind the photo") for note in done.notes)
+    data = done.output.read_bytes()
+    for word in (b"GainMap", b"hdrgm", b"Container", b"ftyp"):
+        assert word not in data
+    assert listing(done.output)["XMP:Format"] == "a facade"
+    assert data.count(b"\xff\xd8\xff") == 1
+
+
+def test_a_motion_photo_keeps_its_video(tmp_path: Path) -> None:
+    """Its place is told from the end of the file, which stays as it was."""
+    Image.fromarray(texture(SIZE)).save(tmp_path / "a.jpg", xmp=XMP)
+    video = b"\0\0\0\x18ftypmp42" + bytes(range(200))
+    (tmp_path / "a.jpg").write_bytes((tmp_path / "a.jpg").read_bytes() + video)
+    done = plumbline.correct(tmp_path / "a.jpg", BARREL)
+    assert done.output.read_bytes().endswith(video)
+    other = plumbline.correct(tmp_path / "a.jpg", BARREL, tmp_path / "b.png")
+    assert any("data behind the picture" in note for note in other.notes)
 
 
 def test_xmp_that_jpeg_cannot_hold_is_told_of(tmp_path: Path) -> None:
@@ -233,7 +370,7 @@ def test_xmp_that_jpeg_cannot_hold_is_told_of(tmp_path: Path) -> None:
 
 def test_a_long_profile_takes_several_segments(tmp_path: Path) -> None:
     long = profile() + bytes(200_000)
-    data = jpeg.with_metadata(_thumbnail((64, 48)), Metadata(icc=long))
+    data = jpeg.with_metadata(_thumbnail((64, 48)), Metadata(icc=long), "")
     (tmp_path / "a.jpg").write_bytes(data)
     with Image.open(tmp_path / "a.jpg") as image:
         assert image.info["icc_profile"] == long
@@ -274,13 +411,11 @@ def test_maker_notes_that_cannot_be_moved_are_left_out(
     image.save(tmp_path / "a.tif")
     data = (tmp_path / "a.tif").read_bytes()
     below = (
-        tiff.Field(0x920A, 5, struct.pack("<II", 35, 1)),
-        tiff.Field(0x927C, 7, b"Nikon\0" + bytes(range(100))),
+        ifd.Field(0x920A, 5, struct.pack("<II", 35, 1)),
+        ifd.Field(0x927C, 7, b"Nikon\0" + bytes(range(100))),
     )
-    fields = tiff.read_directory(data, tiff.first_directory(data))[0]
-    directory = tiff.directory_bytes(
-        [*fields, tiff.Field(34665, 4, bytes(4), below)], len(data), "<"
-    )
+    fields = ifd.read_directory(data, ifd.first_directory(data))[0]
+    directory = ifd.directory_bytes([*fields, ifd.Field(34665, 4, bytes(4), below)], len(data), "<")
     head = data[:4] + struct.pack("<I", len(data)) + data[8:]
     (tmp_path / "a.tif").write_bytes(head + directory)
     done = plumbline.correct(tmp_path / source, BARREL, tmp_path / target)
@@ -304,8 +439,8 @@ def test_tiff_has_strips_of_a_sensible_size(tmp_path: Path) -> None:
 def test_an_empty_directory_of_the_original_is_left_out(tmp_path: Path) -> None:
     """As that of GPS which some cameras write; its offset would point anywhere."""
     empty = b"\0" * 6
-    block = tiff.new_block([tiff.Field(0x010F, 2, b"A maker\0")])
-    at = tiff.first_directory(block)
+    block = ifd.new_block([ifd.Field(0x010F, 2, b"A maker\0")])
+    at = ifd.first_directory(block)
     one = block[at + 2 : at + 14]
     gps = struct.pack("<HHII", 34853, 4, 1, 8)
     start = 8 + len(empty)

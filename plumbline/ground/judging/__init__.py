@@ -1,0 +1,1 @@
+"""What an adjustment is worth: disorder, gaps, contradictions, the implied camera, advice."""
