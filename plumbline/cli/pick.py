@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import Any
 
 import click
@@ -42,6 +43,8 @@ Examples:
 @options.labelling
 def command(sources: tuple[str, ...], no_browser: bool, port: int, **labels: Any) -> None:
     """Open, serve, until stopped."""
+    # Products here are small; NumPy's threads would only spin on the core that judges the picks.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from plumbline.pick.opening import open_session
     from plumbline.pick.serving import serve
     from plumbline.reading.gathering import labels_of

@@ -1,6 +1,6 @@
 """Find edges to propose, in a process of its own: it takes seconds of processor time.
 
-`python -m plumbline.pick.finding` reads the name of a photo from its standard input, and writes what
+`python -m plumbline.pick.finding` reads a photo's name from its standard input, and writes what
 `plumbline.edges.find` finds to its standard output: nothing, where the photo cannot be read.
 """
 

@@ -51,7 +51,7 @@ def finished(session: Session) -> dict[str, Any]:
         raise
     return {
         "finding": finding_sentence(made),
-        "files": [printable(str(path)) for path in written],
+        "files": [printable(path.name) for path in written],
         "notes": [printable(note) for note in (*notes, *more, *unseen, *made.notes)],
     }
 

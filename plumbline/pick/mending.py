@@ -73,7 +73,8 @@ def _odd(
     known = [(line, rest) for line, rest in fits if rest is not None]
     if not known:
         return None, None
-    return min(known, key=lambda each: each[1].sigma_px)
+    sigmas = [rest.sigma_px for _, rest in known]
+    return known[int(np.argmin(sigmas))]
 
 
 def _fits(better: Calibration, before: Calibration) -> bool:

@@ -58,6 +58,7 @@ def film(folder: Path) -> list[Path]:
 def _pick(camera: Camera) -> None:
     """The second click of the first line; then, half of the lines."""
     driven, wanted = camera.driven, edges(0.3)
+    driven.press("p")
     first, second = wanted[1]
     driven.click(first)
     driven.page.mouse.move(*driven.place(second), steps=3)
@@ -89,7 +90,7 @@ def _judge(camera: Camera) -> None:
     driven.page.wait_for_selector("#suspects li", timeout=60_000)
     driven.press("Escape")
     camera.shoot()
-    driven.press("Control+z", "f")
+    driven.press("Control+z", "Control+z")
 
 
 def _finish(camera: Camera) -> None:
