@@ -21,6 +21,10 @@ if TYPE_CHECKING:
     from plumbline.boards.find import (
         find_board as find_board,
     )
+    from plumbline.edges.find import (
+        Found as Found,
+        find_edges as find_edges,
+    )
     from plumbline.edges.snap import (
         Snapped as Snapped,
         snap as snap,
@@ -30,6 +34,7 @@ if TYPE_CHECKING:
         DegenerateLinesError as DegenerateLinesError,
         FoldedError as FoldedError,
         OptionError as OptionError,
+        PairError as PairError,
         PlumblineError as PlumblineError,
         ReadError as ReadError,
         UnsettledError as UnsettledError,
@@ -91,6 +96,9 @@ if TYPE_CHECKING:
     from plumbline.observations.facts import (
         LensFacts as LensFacts,
     )
+    from plumbline.pairs.calibrate import (
+        calibrate_pair as calibrate_pair,
+    )
     from plumbline.reading.joining import (
         join as join,
     )
@@ -111,6 +119,9 @@ if TYPE_CHECKING:
         read_calibration as read_calibration,
         read_calibrations as read_calibrations,
     )
+    from plumbline.result.pair import (
+        PairCalibration as PairCalibration,
+    )
     from plumbline.trust.check import (
         Check as Check,
     )
@@ -123,6 +134,8 @@ if TYPE_CHECKING:
     )
 
 _HOMES = {
+    "plumbline.pairs.calibrate": ("calibrate_pair",),
+    "plumbline.result.pair": ("PairCalibration",),
     "plumbline.boards.find": ("find_board",),
     "plumbline.observations.board": ("Board",),
     "plumbline.errors": (
@@ -130,12 +143,14 @@ _HOMES = {
         "DegenerateLinesError",
         "FoldedError",
         "OptionError",
+        "PairError",
         "PlumblineError",
         "ReadError",
         "UnsettledError",
         "UnsupportedModelError",
         "WriteError",
     ),
+    "plumbline.edges.find": ("Found", "find_edges"),
     "plumbline.edges.snap": ("Snapped", "snap"),
     "plumbline.fit.bootstrap": ("bootstrap",),
     "plumbline.fit.calibrate": ("calibrate", "calibrate_many"),

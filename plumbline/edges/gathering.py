@@ -82,9 +82,7 @@ def voted_lens(ends: Array, frame: Frame, scale: float) -> Lens:
     return division_lens(best, frame)
 
 
-def gathered(
-    ends: Array, lens: Lens, scale: float, *, seeds: int | None = None
-) -> list[Gathered]:
+def gathered(ends: Array, lens: Lens, scale: float, *, seeds: int | None = None) -> list[Gathered]:
     """Lines of pieces that a lens makes collinear, from the longest pieces on.
 
     Args:
@@ -121,7 +119,7 @@ def gathered(
 
 
 class _Pieces(NamedTuple):
-    """Pieces as seen and undistorted, their directions and lengths, and how straight is straight."""
+    """Pieces as seen and undistorted, directions and lengths, and how far from a line they may be."""
 
     seen: Array
     ideal: Array

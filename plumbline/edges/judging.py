@@ -88,8 +88,11 @@ def judged(lines: Sequence[Array], frame: Frame) -> Verdict:
     if not np.isfinite(worst):
         return Verdict(worst, "its edges are of too few structures to be compared")
     if worst > limit:
-        return Verdict(worst, f"parts of its edges disagree: the correction is uncertain by \
-{px(worst)}")
+        return Verdict(
+            worst,
+            f"parts of its edges disagree: the correction is uncertain by \
+{px(worst)}",
+        )
     return Verdict(worst)
 
 

@@ -76,7 +76,9 @@ def one_coefficient(lines: Sequence[Array], frame: Frame) -> RoughLens:
     while step > 1e-6:
         step /= 2
         l1 = min((l1 - step, l1, l1 + step), key=cost)
-    return _rated(division_lens(l1, frame), problem.residuals(lambda r: 1 / (1 + l1 * r**2)), problem, 1)
+    return _rated(
+        division_lens(l1, frame), problem.residuals(lambda r: 1 / (1 + l1 * r**2)), problem, 1
+    )
 
 
 def division_lens(l1: float, frame: Frame) -> Lens:

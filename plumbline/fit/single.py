@@ -96,7 +96,7 @@ def _explained(plain: Calibration, suspects: Sequence[Suspect]) -> str:
         if suspect.left_out:
             first = int(ends[suspect.line] - plain.observations.sizes[suspect.line])
             accused[[first + pick for pick in suspect.picks]] = True
-    if not accused.any() or not plain.trust.explains(accused):
+    if not accused.any() or not plain.trust.besides.explains(accused):
         return ""
     return (
         f"{count(int(np.count_nonzero(accused)), 'pick')} would look wrong under this model and "

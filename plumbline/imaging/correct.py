@@ -6,16 +6,16 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-import cv2
 import numpy as np
 
 from plumbline.errors import OptionError
 from plumbline.files import read_bytes, write_atomically
 from plumbline.geometry.lens import Lens
+from plumbline.imaging.borders import outside_of, with_alpha
 from plumbline.imaging.difference import difference_png
 from plumbline.imaging.maps.sampling import fold_notes, sampling_of
 from plumbline.imaging.maps.sampling_map import SamplingMap
-from plumbline.imaging.resample import Border, resample
+from plumbline.imaging.resample import resample
 from plumbline.imaging.settings import Settings
 from plumbline.imaging.targets import SUFFIX, beside, check_target, difference_of
 from plumbline.lenses.correction import Correction
@@ -224,34 +224,9 @@ def _corrected(
             raise OptionError(
                 "a CMYK picture cannot be transparent", hint="choose another --border"
             )
-        pixels = _with_alpha(pixels)
+        pixels = with_alpha(pixels)
     channels = 1 if pixels.ndim == 2 else pixels.shape[2]
     alpha = channels in (2, 4) and not inks
     full = float(np.iinfo(pixels.dtype).max)
-    outside = _outside(settings.border, channels, full, alpha=alpha, inks=inks)
+    outside = outside_of(settings.border, channels, full, alpha=alpha, inks=inks)
     return resample(pixels, sampling, settings.interpolation, outside, alpha=alpha, threads=threads)
-
-
-def _outside(
-    border: Border, channels: int, full: float, *, alpha: bool, inks: bool
-) -> tuple[float, ...] | None:
-    """The value of each channel where the photo shows nothing; None to repeat its edge."""
-    if border == "edge":
-        return None
-    if border == "transparent":
-        return (0.0,) * channels
-    if inks:
-        return 0.0, 0.0, 0.0, full if border == "black" else 0.0
-    colour = full if border == "white" else 0.0
-    return (colour,) * (channels - 1) + (full if alpha else colour,)
-
-
-def _with_alpha(pixels: Pixels) -> Pixels:
-    """The pixels with an opaque alpha channel; 16-bit grey becomes colour, for its files."""
-    if pixels.ndim == 3 and pixels.shape[2] in (2, 4):
-        return pixels
-    if pixels.ndim == 3:
-        return cv2.cvtColor(pixels, cv2.COLOR_BGR2BGRA)
-    if pixels.dtype == np.uint16:
-        return cv2.cvtColor(pixels, cv2.COLOR_GRAY2BGRA)
-    return np.stack((pixels, np.full_like(pixels, np.iinfo(pixels.dtype).max)), axis=-1)

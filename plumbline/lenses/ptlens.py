@@ -12,7 +12,8 @@ import numpy as np
 from plumbline.errors import OptionError, printable
 from plumbline.formats.lens_files.ptlens_profile import PTLensCamera, PTLensLens, PTLensProfile
 from plumbline.lenses.choosing import LensMatch, choose, like_note, no_camera
-from plumbline.lenses.profile import LensProfile, clamp_focal
+from plumbline.lenses.focal import clamp_focal
+from plumbline.lenses.profile import LensProfile
 from plumbline.lenses.request import LensRequest
 from plumbline.lenses.zoom.curves import linear_weights
 from plumbline.models import get_model

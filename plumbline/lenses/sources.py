@@ -14,8 +14,9 @@ from plumbline.formats.base import Source
 from plumbline.frame import Frame
 from plumbline.geometry.lens import Lens
 from plumbline.lenses.choosing import LensMatch
+from plumbline.lenses.focal import clamp_focal
 from plumbline.lenses.names import agree, numbers_of, same_range
-from plumbline.lenses.profile import LensProfile, clamp_focal
+from plumbline.lenses.profile import LensProfile
 from plumbline.lenses.request import LensRequest
 from plumbline.lenses.stored import StoredLens
 from plumbline.models import CENTRE, get_model

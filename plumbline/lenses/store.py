@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
 
 from plumbline.errors import OptionError, ReadError, UnsettledError, WriteError
@@ -108,9 +108,9 @@ def find(photo: PhotoFacts, request: LensRequest) -> tuple[LensProfile | None, t
     misses: list[str] = []
     names: set[str] = set()
     focal_mm = request.focal_mm or photo.facts.focal_mm
-    for path in _files():
+    for path in files():
         try:
-            stored, facts, calibrated = _read(path)
+            stored, facts, calibrated = read_kept(path)
         except (ReadError, UnsettledError) as error:
             notes.append(f"a calibration of your own was left aside: {error.message}")
             continue
@@ -147,69 +147,7 @@ def find(photo: PhotoFacts, request: LensRequest) -> tuple[LensProfile | None, t
     return min(found, key=lambda each: each[0])[1], tuple(notes)
 
 
-@dataclass(frozen=True)
-class Kept:
-    """One of the user's own calibrations.
-
-    Attributes:
-        path: Its file.
-        facts: What it says of camera and lens.
-        range_mm: Shortest and longest focal length.
-        error: Why it cannot be used; else empty.
-    """
-
-    path: Path
-    facts: LensFacts = field(default_factory=LensFacts)
-    range_mm: tuple[float, float] = (0.0, 0.0)
-    error: str = ""
-
-
-def kept() -> tuple[Kept, ...]:
-    """All of the user's own calibrations, in the order of their names."""
-    found: list[Kept] = []
-    for path in _files():
-        try:
-            _, facts, range_mm = _read(path)
-        except (ReadError, UnsettledError) as error:
-            found.append(Kept(path, error=error.message))
-        else:
-            found.append(Kept(path, facts, range_mm))
-    return tuple(found)
-
-
-def remove(name: str) -> Path:
-    """Delete one of the user's own calibrations.
-
-    Args:
-        name: Name of its file, with or without `.json`.
-
-    Returns:
-        The file that was deleted.
-
-    Raises:
-        OptionError: there is none of that name.
-        WriteError: it cannot be deleted.
-    """
-    files = {path.name: path for path in _files()}
-    path = files.get(name) or files.get(f"{name}.json")
-    if path is None:
-        known = f"there are: {listed(sorted(files))}" if files else "there are none"
-        raise OptionError(
-            f"you have no calibration of your own named {name}",
-            hint=f"{known}; plumbline lens list shows them",
-        )
-    try:
-        path.unlink()
-    except OSError as error:
-        raise WriteError(
-            f"the file cannot be deleted: {error.strerror or error}",
-            path=path,
-            hint="make its folder writable",
-        ) from None
-    return path
-
-
-def _read(path: Path) -> tuple[StoredZoom | StoredLens, LensFacts, tuple[float, float]]:
+def read_kept(path: Path) -> tuple[StoredZoom | StoredLens, LensFacts, tuple[float, float]]:
     """A calibration of the store, what it says of itself, and its focal lengths.
 
     Raises:
@@ -225,7 +163,8 @@ def _read(path: Path) -> tuple[StoredZoom | StoredLens, LensFacts, tuple[float, 
     return stored, stored.facts, (own, own)
 
 
-def _files() -> list[Path]:
+def files() -> list[Path]:
+    """The files of the store, in the order of their names."""
     try:
         return sorted(folder().glob("*.json"))[:_MOST_FILES]
     except OSError:

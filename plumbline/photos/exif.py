@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import re
-import struct
-import warnings
 from dataclasses import dataclass, replace
 from html import unescape
 from pathlib import Path
@@ -12,13 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from plumbline.errors import ReadError
 from plumbline.observations.facts import FULL_FRAME_MM, LensFacts
 from plumbline.photos.cameras import agreed_crop, camera_name
-from plumbline.photos.kinds import HEAD, is_tiff, refuse_by_name
+from plumbline.photos.header import read_header
 from plumbline.photos.maker_notes import read_maker_notes
 
-_MAKE, _MODEL, _ORIENTATION, _EXIF_IFD = 0x010F, 0x0110, 0x0112, 0x8769
+_MAKE, _MODEL, _ORIENTATION = 0x010F, 0x0110, 0x0112
 _FOCAL, _FOCAL_35MM, _LENS_MAKE, _LENS_MODEL = 0x920A, 0xA405, 0xA433, 0xA434
 _WIDTH, _X_RESOLUTION, _Y_RESOLUTION, _UNIT = 0xA002, 0xA20E, 0xA20F, 0xA210
 _HEIGHT = 0xA003
@@ -30,13 +27,8 @@ _LENS_INFO = re.compile(rb"LensInfo\s*(?:=\s*[\"']|>)\s*(\d{1,9})/(\d{1,9}) (\d{
 _XMP_LENS = re.compile(
     rb"(?:exifEX:LensModel|aux:Lens)\s*(?:=\s*[\"']|>(?:\s*<rdf:Alt>\s*<rdf:li[^>]*>)?)([^\"'<]{3,200})"
 )
-_TAKEN, _CHANGED, _SERIAL_NUMBER = 0x9003, 0x0132, 0xA431
+_TAKEN, _CHANGED = 0x9003, 0x0132
 _NO_LENS = ("none", "unknown", "no lens", "dt 0.0mm f0.0 sam")
-_DAMAGE = (
-    *(OSError, ValueError, SyntaxError, LookupError, TypeError, EOFError, struct.error),
-    *(OverflowError, AttributeError, RuntimeError, NotImplementedError),
-)
-"""What Pillow and tifffile raise for files that make no sense."""
 
 _MM_PER_UNIT = {2: 25.4, 3: 10.0, 4: 1.0}
 
@@ -58,7 +50,6 @@ class PhotoFacts:
             tell it.
         lens_told_by: Who names the lens, where it is not EXIF itself; else empty.
         taken: EXIF's date and time, as it stands there; may be empty.
-        serial_number: Of the camera; may be empty.
         history: What programs wrote of themselves, joined; may be empty.
         profile_applied: Whether XMP says that a lens profile was applied in developing.
         digital_zoom: By how much the camera enlarged the middle of what it saw; None if it did not.
@@ -83,7 +74,6 @@ class PhotoFacts:
     not_in_camera: str = ""
     lens_told_by: str = ""
     taken: str = ""
-    serial_number: str = ""
     notes: tuple[str, ...] = ()
 
     @property
@@ -103,17 +93,6 @@ class PhotoFacts:
         return replace(self, facts=replace(self.facts, model=lens), lens_told_by=told_by)
 
 
-@dataclass(frozen=True)
-class _Header:
-    """What stands before the pixels: size as stored, EXIF's tags and block, XMP, comments."""
-
-    size: tuple[int, int]
-    tags: dict[int, Any]
-    block: bytes
-    packet: bytes
-    remark: str
-
-
 def read_photo(path: str | Path, *, remedy: str = "") -> PhotoFacts:
     """Read the header of a photograph; its pixels are not decoded.
 
@@ -125,7 +104,7 @@ def read_photo(path: str | Path, *, remedy: str = "") -> PhotoFacts:
         ReadError: the file is missing, or not a picture that can be read.
     """
     hint = f"give a JPEG, TIFF, PNG or WebP{remedy}"
-    header = _read_header(path, hint)
+    header = read_header(path, hint)
     tags, packet = header.tags, header.packet
     orientation = int(_positive(tags, _ORIENTATION) or 1)
     turned = orientation in (5, 6, 7, 8)
@@ -156,73 +135,8 @@ def read_photo(path: str | Path, *, remedy: str = "") -> PhotoFacts:
         not_in_camera=told.uncorrected,
         lens_told_by=told_by,
         taken=_text(tags, _TAKEN) or _text(tags, _CHANGED),
-        serial_number=_text(tags, _SERIAL_NUMBER),
         notes=notes,
     )
-
-
-def _read_header(path: str | Path, hint: str) -> _Header:
-    from PIL import Image, UnidentifiedImageError
-
-    try:
-        _refuse_other_than_file(path, hint)
-        with Path(path).open("rb") as file:
-            head = file.read(HEAD)
-        refuse_by_name(head, path)
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            return _tiff_header(path) if is_tiff(head) else _other_header(path)
-    except ReadError:
-        raise
-    except FileNotFoundError:
-        raise ReadError("there is no such photo", path=path, hint=hint) from None
-    except UnidentifiedImageError:
-        raise ReadError("this is not a picture that can be read", path=path, hint=hint) from None
-    except Image.DecompressionBombError:
-        raise ReadError(
-            "this picture claims to have more pixels than any camera", path=path, hint=hint
-        ) from None
-    except _DAMAGE as error:
-        reason = (error.strerror if isinstance(error, OSError) else None) or error
-        raise ReadError(f"the photo cannot be read: {reason}", path=path, hint=hint) from None
-
-
-def _refuse_other_than_file(path: str | Path, hint: str) -> None:
-    if not Path(path).is_file() and Path(path).exists():
-        raise ReadError("this is not a file", path=path, hint=hint)
-
-
-def _other_header(path: str | Path) -> _Header:
-    from PIL import Image
-
-    with Image.open(path) as image:
-        exif = image.getexif()
-        tags = dict(exif) | dict(exif.get_ifd(_EXIF_IFD))
-        block, packet = image.info.get("exif") or b"", image.info.get("xmp") or b""
-        comment = image.info.get("comment") or image.info.get("Software") or b""
-        words = comment.decode("utf-8", "replace") if isinstance(comment, bytes) else str(comment)
-        return _Header(
-            image.size,
-            tags,
-            block.removeprefix(b"Exif\0\0") if isinstance(block, bytes) else b"",
-            packet if isinstance(packet, bytes) else str(packet).encode(),
-            words if "plumbline" in words else "",
-        )
-
-
-def _tiff_header(path: str | Path) -> _Header:
-    from PIL import Image
-
-    from plumbline.photos.files import tiff
-
-    with tiff.opened(path, path) as page:
-        size, block, packet = tiff.size_of(page), tiff.exif_block(page), tiff.xmp(page)
-    if min(size) < 1:
-        raise ValueError("it has no pixels")
-    exif = Image.Exif()
-    exif.load(b"Exif\0\0" + block)
-    tags = dict(exif) | dict(exif.get_ifd(_EXIF_IFD))
-    return _Header(size, tags, block, packet, "")
 
 
 def _lens_name(tags: dict[int, Any], packet: bytes, by_maker: str) -> tuple[str, str]:

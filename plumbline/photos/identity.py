@@ -6,16 +6,15 @@ Source: EXIF 2.32 (CIPA DC-008-2019), DateTimeOriginal 0x9003, BodySerialNumber 
 from __future__ import annotations
 
 import hashlib
-import struct
-import warnings
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from plumbline.errors import printable
+from plumbline.errors import ReadError, printable
 from plumbline.files import read_bytes
+from plumbline.photos.header import read_header
 
-_EXIF_IFD, _TAKEN, _CHANGED, _SERIAL = 0x8769, 0x9003, 0x0132, 0xA431
+_TAKEN, _CHANGED, _SERIAL = 0x9003, 0x0132, 0xA431
 _LONGEST = 80
 """Chosen, because no serial number or date is longer, and a report's row holds it."""
 
@@ -48,15 +47,9 @@ def identity_of(path: str | Path) -> Identity:
 
 def _tags(path: str | Path) -> dict[int, Any]:
     """EXIF's tags; none where they are damaged, which the reader of the photo tells."""
-    from PIL import Image
-
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            with Image.open(path) as image:
-                exif = image.getexif()
-                return dict(exif) | dict(exif.get_ifd(_EXIF_IFD))
-    except (OSError, ValueError, SyntaxError, LookupError, TypeError, EOFError, struct.error):
+        return read_header(path, "").tags
+    except ReadError:
         return {}
 
 

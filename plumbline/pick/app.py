@@ -52,7 +52,7 @@ def app_of(session: Session) -> Starlette:
 
     async def take(request: Request) -> Response:
         asked = await _body(request, requests.Page)
-        await run_in_threadpool(session.take, asked.page)
+        await run_in_threadpool(session.holder.take, asked.page)
         return _told({})
 
     async def compare(request: Request) -> Response:

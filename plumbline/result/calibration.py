@@ -128,7 +128,7 @@ class Calibration:
         return (
             *self.observations.notes,
             *self.remarks,
-            *notes_on(self.trust, self.checks, self.lines, unsettled),
+            *notes_on(self.trust, self.checks, self._straight, unsettled),
         )
 
     @property
@@ -254,6 +254,11 @@ class Calibration:
             count = int(np.count_nonzero(kept))
             measured.append(LineStraightness(line.label, line.photo, count, *numbers))
         return tuple(measured)
+
+    @property
+    def _straight(self) -> tuple[LineStraightness, ...]:
+        """What notes judge lines by."""
+        return self.lines
 
     def _fitted(self, values: Sequence[Array]) -> list[Array]:
         """The values of the picks that were fitted."""

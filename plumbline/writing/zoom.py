@@ -11,7 +11,7 @@ import numpy as np
 
 from plumbline._version import __version__
 from plumbline.errors import UnsupportedModelError
-from plumbline.files import MARK, RESULT, ZOOM, read_bytes, refuse_unknown_suffix
+from plumbline.files import MARK, RESULT, ZOOM, read_bytes, refuse_unknown_suffix, sealed
 from plumbline.formats.base import Source
 from plumbline.formats.lens_files.lenses_txt import lenses_txt
 from plumbline.formats.lens_files.lensfun import MODELS, Distortion, LensfunLens, lensfun_xml
@@ -91,11 +91,11 @@ def zoom_bytes(lens: ZoomLens, target: Path) -> tuple[bytes, list[str]]:
                 f"LensFun holds one distortion centre for all focal lengths: the mean was written, "
                 f"up to {apart_px:.1f} px from those of single focal lengths"
             )
-        return lensfun_xml(_head(lens, centre), entries), notes
+        return sealed(lensfun_xml(_head(lens, centre), entries)), notes
     if any(np.any(node.values[-2:]) for node in lens.nodes):
         notes.append("lenses.txt holds no distortion centre: it was left out")
     rows = [(entry.focal_mm, list(entry.coefficients.values())) for entry in entries]
-    return lenses_txt(_head(lens), rows, f"{MARK} {__version__}"), notes
+    return sealed(lenses_txt(_head(lens), rows, f"{MARK} {__version__}")), notes
 
 
 def _head(lens: ZoomLens, centre: tuple[float, float] = (0.0, 0.0)) -> LensfunLens:

@@ -102,7 +102,7 @@ def _check(outcomes: list[Outcome], folder: Path) -> None:
     assert states == {"a.jpg": "corrected", "bad.jpg": "failed", "c.jpg": "corrected"}
     (bad,) = (outcome for outcome in outcomes if outcome.state == "failed")
     assert "bad.jpg" in bad.error
-    assert "cannot be read" in bad.error or "no picture" in bad.error
+    assert "cannot be read" in bad.error or "not a picture" in bad.error
     assert bad.hint
     assert [outcome.photo.name for outcome in outcomes] == ["a.jpg", "bad.jpg", "c.jpg"]
     assert (folder / "a_corrected.jpg").exists()

@@ -148,7 +148,7 @@ def test_what_is_no_picture_is_refused() -> None:
     made = _correction()
     byte = np.uint8
     for wrong in (np.zeros((5, 5)), *(np.zeros(n, byte) for n in (5, (0, 5), (5, 5, 5)))):
-        with pytest.raises(OptionError, match="no picture"):
+        with pytest.raises(OptionError, match="not hold a picture"):
             correct_array(wrong, made)
     with pytest.raises(OptionError, match="another size"):
         correct_array(texture((300, 200)), made)

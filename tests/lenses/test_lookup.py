@@ -196,7 +196,7 @@ def test_a_folder_of_lensfun_files_is_one_database(xml: str, tmp_path: Path) -> 
     found = find_correction(facts(), LensRequest(source=str(folder)))
     assert "Zoom 10-20mm" in found.description
     (tmp_path / "empty").mkdir()
-    with pytest.raises(ReadError, match="no LensFun XML file in this folder"):
+    with pytest.raises(ReadError, match="this folder holds no LensFun XML files"):
         find_correction(facts(), LensRequest(source=str(tmp_path / "empty")))
 
 
@@ -370,7 +370,7 @@ def test_contradictory_requests() -> None:
     shot = PhotoFacts((401, 301), LensFacts())
     with pytest.raises(OptionError, match="given twice"):
         find_correction(shot, LensRequest(source="a.xml", ptlens={"b": -0.01}))
-    with pytest.raises(OptionError, match="k1 is no coefficient"):
+    with pytest.raises(OptionError, match="k1 is not a coefficient"):
         find_correction(shot, LensRequest(ptlens={"k1": -0.01}))
 
 
@@ -521,7 +521,7 @@ def test_one_bad_file_of_a_folder_is_left_aside(xml: str, tmp_path: Path) -> Non
     aside = [note for note in found.notes if "left aside" in note]
     assert [name for name in "abc" if any(f"{name}.xml" in note for note in aside)] == ["b", "c"]
     (folder / "a.xml").unlink()
-    with pytest.raises(ReadError, match="the XML is damaged"):
+    with pytest.raises(ReadError, match=r"the XML is (damaged|broken)"):
         find_correction(facts(), LensRequest(source=str(folder)))
 
 

@@ -9,7 +9,7 @@ import click
 
 from plumbline.errors import PlumblineError, printable
 from plumbline.imaging.targets import passed_over, photo_targets
-from plumbline.lenses import store
+from plumbline.lenses import shelf, store
 from plumbline.lenses.lookup import look_up
 from plumbline.lenses.profile import correction
 from plumbline.lenses.request import LensRequest
@@ -96,12 +96,12 @@ def add(paths: Sequence[str], *, overwrite: bool) -> None:
 def remove(names: Sequence[str]) -> None:
     """Delete calibrations that were kept."""
     for name in names:
-        click.echo(f"Removed {printable(str(store.remove(name)))}")
+        click.echo(f"Removed {printable(str(shelf.remove(name)))}")
 
 
 def show_kept() -> None:
     """List the calibrations that were kept."""
-    every = store.kept()
+    every = shelf.kept()
     if not every:
         click.echo("You have no calibrations of your own: plumbline lens add RESULT keeps one.")
         return

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from plumbline.lenses.choosing import like_note
-from plumbline.lenses.lensfun.database import camera_name
+from plumbline.lenses.lensfun.camera_names import camera_name
 from plumbline.lenses.profile import LensProfile
 from plumbline.lenses.request import LensRequest
 from plumbline.photos.cameras import shows_other_part

@@ -8,8 +8,10 @@ from plumbline.errors import OptionError, printable
 from plumbline.formats.lens_files.lensfun import Distortion
 from plumbline.formats.lens_files.lensfun_reading import LensfunEntry
 from plumbline.lenses.choosing import LensMatch
-from plumbline.lenses.lensfun.database import Database, camera_name, with_maker
-from plumbline.lenses.profile import LensProfile, clamp_focal
+from plumbline.lenses.focal import clamp_focal
+from plumbline.lenses.lensfun.camera_names import camera_name, with_maker
+from plumbline.lenses.lensfun.database import Database
+from plumbline.lenses.profile import LensProfile
 from plumbline.lenses.stored import projection_note
 from plumbline.models import get_model
 from plumbline.observations.facts import FULL_FRAME_MM

@@ -6,39 +6,27 @@ from pathlib import Path
 from typing import Any
 
 from plumbline.errors import OptionError, printable
-from plumbline.lenses.choosing import LensMatch, choose, no_camera
+from plumbline.lenses.choosing import LensMatch, choose
+from plumbline.lenses.focal import clamp_focal
 from plumbline.lenses.lensfun.camera import camera_notes, lens_is_fixed, sized
+from plumbline.lenses.lensfun.camera_names import find_camera
 from plumbline.lenses.lensfun.database import (
     Database,
     beyond_library,
-    camera_name,
     common_database,
     database_of,
     entries_of,
-    find_camera,
-    similar_cameras,
 )
 from plumbline.lenses.lensfun.entry import interpolated, profile_of_entry
-from plumbline.lenses.names import Numbers, agree, likeness, numbers_of, same_range
-from plumbline.lenses.profile import LensProfile, clamp_focal
+from plumbline.lenses.lensfun.matches import lens_match, numbers, range_of
+from plumbline.lenses.lensfun.refusals import unknown_camera, unknown_lens
+from plumbline.lenses.names import agree, numbers_of, same_range
+from plumbline.lenses.profile import LensProfile
 from plumbline.lenses.request import LensRequest
 from plumbline.lenses.zoom.curves import lensfun_values
 from plumbline.photos.exif import PhotoFacts
 
 Found = tuple[LensProfile, tuple[LensMatch, ...]]
-
-_VARIANTS = (", with ", "converter", "adapter", "extender", ", macro")
-"""Words of entries that are a lens with something, or at a close distance."""
-
-_SAME_SENSOR = 1.04
-"""Largest ratio of crop factors at which LensFun 0.3 takes a lens for a camera
-(`lfDatabase::FindLenses`: it keeps lenses down to 0.96 of the camera's)."""
-
-_LIKENESS = 1e6
-"""Chosen so that likeness counts before LensFun's score, which is below a thousand."""
-
-_ALIKE = 0.75
-"""Likeness of one lens under two spellings: chosen, one word of about eight may differ or lack."""
 
 
 def from_file(path: str, photo: PhotoFacts, request: LensRequest) -> Found:
@@ -77,21 +65,21 @@ def find(
     if camera is None and chosen_file:
         camera = _camera(common_database(), photo, request)
     if camera is None and (request.like or not chosen_file):
-        raise _unknown_camera(database, photo, request)
+        raise unknown_camera(database, photo, request)
     name = request.lens_name or photo.facts.model or None
     lenses = _fitting(database, camera, name, photo, request, chosen_file=chosen_file)
     # Of entries that differ in their crop factor alone the library puts the fitting one first.
     lenses = list({lens.model.casefold(): lens for lens in reversed(lenses)}.values())[::-1]
     focal_mm = request.focal_mm or photo.facts.focal_mm
     spoken = _spoken(name, lenses)
-    candidates = tuple(_candidate(lens, spoken) for lens in lenses)
+    candidates = tuple(lens_match(lens, spoken) for lens in lenses)
     number, aside = choose(candidates, spoken, focal_mm, database.name)
     profile = interpolated(database, lenses[number], camera, focal_mm, candidates[number])
     profile = sized(profile, camera, photo, request)
     notes = [aside, *database.notes, *camera_notes(camera, photo, request)]
     if not name and camera is not None and not lens_is_fixed(camera) and not chosen_file:
         notes.append("the photo does not name its lens: the only one that fits was taken")
-    if request.lens_name and not same_range(photo.lens_range_mm, _range(lenses[number])):
+    if request.lens_name and not same_range(photo.lens_range_mm, range_of(lenses[number])):
         low, high = photo.lens_range_mm or (0.0, 0.0)
         notes.append(f"EXIF tells of a lens of {low:g} to {high:g} mm: --lens-name counts")
     return profile.with_notes(*notes), candidates
@@ -120,7 +108,7 @@ def _fitting(
         fixed = camera is not None and lens_is_fixed(camera)
         if each and not fixed:
             told = numbers_of(each)
-            lenses = [lens for lens in lenses if agree(told, _numbers(lens))]
+            lenses = [lens for lens in lenses if agree(told, numbers(lens))]
         found += [lens for lens in lenses if lens not in found]
     if name is None or not asked:
         found = _of_range(found, camera, photo)
@@ -128,13 +116,13 @@ def _fitting(
         found = [
             lens
             for lens in database.library.lenses
-            if agree(numbers_of(name), _numbers(lens))
-            and same_range(photo.lens_range_mm, _range(lens))
+            if agree(numbers_of(name), numbers(lens))
+            and same_range(photo.lens_range_mm, range_of(lens))
         ]
     elif not found and chosen_file and not name:
         found = list(database.library.lenses)
     if not found:
-        raise _unknown_lens(database, camera, name, photo)
+        raise unknown_lens(database, camera, name, photo)
     return found
 
 
@@ -142,22 +130,10 @@ def _of_range(lenses: list[Any], camera: Any, photo: PhotoFacts) -> list[Any]:
     """Those that have the range of focal lengths that EXIF tells of."""
     if photo.lens_range_mm is None:
         return lenses
-    spanning = [lens for lens in lenses if same_range(photo.lens_range_mm, _range(lens))]
+    spanning = [lens for lens in lenses if same_range(photo.lens_range_mm, range_of(lens))]
     if camera is not None and lens_is_fixed(camera):
         return spanning or lenses  # databases tell the calibrated range of built-in lenses
     return spanning
-
-
-def _numbers(lens: Any) -> Numbers:
-    told = numbers_of(lens.model)
-    return told if told.range_mm else Numbers(_range(lens), told.apertures)
-
-
-def _range(lens: Any) -> tuple[float, float] | None:
-    told = numbers_of(lens.model).range_mm
-    if told is None and lens.min_focal and lens.max_focal:
-        return float(lens.min_focal), float(lens.max_focal)
-    return told
 
 
 def _camera(database: Database, photo: PhotoFacts, request: LensRequest) -> Any | None:
@@ -184,63 +160,6 @@ def _spoken(name: str | None, lenses: list[Any]) -> str | None:
         return None
     words = name.casefold().split()
     return name if any(any(w in lens.model.casefold() for w in words) for lens in lenses) else None
-
-
-def _candidate(lens: Any, name: str | None) -> LensMatch:
-    focals = [each.focal for each in lens.calib_distortion]
-    span = (float(f"{min(focals):.6g}"), float(f"{max(focals):.6g}")) if focals else None
-    variant = any(word in lens.model.casefold() for word in _VARIANTS)
-    alike = max((likeness(each, lens.model) for each in (name or "").split(" or ")), default=0.0)
-    score = round(_LIKENESS * alike) + int(lens.score) if name else 0
-    return LensMatch(str(lens.model), span, variant, score)
-
-
-def _unknown_camera(database: Database, photo: PhotoFacts, request: LensRequest) -> OptionError:
-    name = request.like or request.camera or photo.facts.camera
-    if not name:
-        return no_camera()
-    maker = "" if request.like or request.camera else photo.maker
-    similar = similar_cameras(database, maker, name if not maker else photo.model)
-    known = f" (similar: {', '.join(printable(each) for each in similar)})" if similar else ""
-    return OptionError(
-        f"the camera {name} is not in {database.name}{known}",
-        hint="take a comparable camera with --like CAMERA, calibrate the lens with plumbline fit, "
-        "or name a file with --lens",
-    )
-
-
-def _unknown_lens(
-    database: Database, camera: Any, name: str | None, photo: PhotoFacts
-) -> OptionError:
-    if name is None:
-        low, high = photo.lens_range_mm or (0.0, 0.0)
-        span = f"{low:g}" if low == high else f"{low:g}–{high:g}"
-        name = f"of {span} mm that EXIF tells of"
-    on = camera_name(camera) if camera is not None else "this camera"
-    smaller = [
-        lens
-        for lens in database.library.lenses
-        if camera is not None
-        and lens.crop_factor > camera.crop_factor * _SAME_SENSOR
-        and lens.calib_distortion
-        and agree(numbers_of(name), _numbers(lens))
-        and likeness(name, lens.model) >= _ALIKE
-    ]
-    told = f"the lens {name!r}" if name[:3] != "of " else f"a lens {name}"
-    if smaller:
-        best = max(smaller, key=lambda lens: likeness(name, lens.model))
-        return OptionError(
-            f"{told} is calibrated in {database.name} for smaller sensors only (crop factor "
-            f"{best.crop_factor:.3g}), not for that of {on}",
-            hint="calibrate the lens with plumbline fit, or name a file with --lens",
-        )
-    loose = database.library.find_lenses(camera, None, name, True) if camera is not None else []
-    similar = [str(_candidate(lens, None)) for lens in loose[:5]]
-    alike = f"; similar: {', '.join(similar)}" if similar else ""
-    return OptionError(
-        f"{told} for {on} is not in {database.name}{alike}",
-        hint="name one of the database's lenses with --lens-name, or a file with --lens",
-    )
 
 
 def _from_entries(path: str, photo: PhotoFacts, request: LensRequest) -> Found:

@@ -17,7 +17,8 @@ from plumbline.errors import PlumblineError, ReadError, printable
 from plumbline.files import ZOOM
 from plumbline.formats.base import Source
 from plumbline.frame import Frame
-from plumbline.lenses.profile import LensProfile, clamp_focal
+from plumbline.lenses.focal import clamp_focal
+from plumbline.lenses.profile import LensProfile
 from plumbline.lenses.request import LensRequest
 from plumbline.lenses.zoom.schema import FORMAT_VERSION, LabelsRecord, NodeRecord, ZoomRecord
 from plumbline.lenses.zoom.zoom_lens import Node, ZoomLens, model_of

@@ -125,16 +125,16 @@ def _other(data: bytes, path: str | Path) -> Picture:
 
 
 def _tiff(data: bytes, path: str | Path) -> Picture:
-    from plumbline.photos.files import tiff
+    from plumbline.photos.files import tiff, tiff_tags
 
     with tiff.opened(io.BytesIO(data), path) as page:
         storage = Storage("TIFF", compression=int(page.compression))
         found = tiff.read_pixels(page, path)
         notes = list(found.notes)
         try:
-            metadata, left = tiff.read_metadata(page)
-            notes += [*left, *([MAKER_NOTES_LOST] if tiff.has_maker_notes(page) else [])]
-        except tiff.DAMAGE:
+            metadata, left = tiff_tags.read_metadata(page)
+            notes += [*left, *([MAKER_NOTES_LOST] if tiff_tags.has_maker_notes(page) else [])]
+        except tiff_tags.DAMAGE:
             metadata = Metadata()
             notes.append("its metadata are damaged and were not kept")
         frames = tiff.pictures(page)

@@ -19,7 +19,7 @@ from plumbline.photos.files import ifd
 from plumbline.photos.files.ifd import Field
 from plumbline.photos.files.metadata import Metadata
 from plumbline.photos.files.picture import Picture, Pixels
-from plumbline.photos.files.tiff import ICC, IPTC, LAYOUT, PHOTOSHOP, XMP
+from plumbline.photos.files.tiff_tags import ICC, IPTC, LAYOUT, PHOTOSHOP, XMP
 
 _COMPRESSIONS = {1: 1, 5: 5, 8: 8, 32773: 32773, 32946: 8}
 _LZW = 5

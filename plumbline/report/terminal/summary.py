@@ -17,12 +17,14 @@ from plumbline.models import CENTRE
 from plumbline.observations import Observations
 from plumbline.report.terminal.checks import print_suspects
 from plumbline.result.calibration import Calibration
+from plumbline.result.pair import PairCalibration
 from plumbline.trust.placement import worth_of_error_bars
 from plumbline.wording import count, px
 
 _MOST_LINES = 24
 _LEAST_WIDTH = 80
-_TRUST = "correction", "line by line", "model"
+_WHAT = {False: "lines are straight to", True: "matches agree to"}
+_TRUST = "correction", "line by line", "part by part", "model"
 _KINDS = {
     "barrel": "Barrel distortion",
     "pincushion": "Pincushion distortion",
@@ -101,10 +103,14 @@ def finding_sentence(made: Calibration) -> str:
     doubt = worth_of_error_bars(made.dof)
     return (
         f"{_KINDS[finding.kind]}{'' if finding.kind == 'none' else size}; "
-        f"lines are straight to {made.rms_before_px:.2f} px before, "
+        f"{_WHAT[_paired(made)]} {made.rms_before_px:.2f} px before, "
         f"{made.rms_after_px:.2f} px after{f'; {doubt}' if doubt else ''}"
         f"{f'; {made.doubt}' if made.doubt else ''}"
     )
+
+
+def _paired(made: Calibration) -> bool:
+    return isinstance(made, PairCalibration)
 
 
 def coefficients_table(made: Calibration) -> Table:
@@ -149,10 +155,11 @@ def lines_table(made: Calibration, *, everything: bool = False) -> Table:
         title = f"the {_MOST_LINES} of {len(lines)} lines with the largest residuals (-v lists all)"
     table = Table(box=box.SIMPLE, pad_edge=False, title=title, title_justify="left")
     several = len(made.observations.photos) > 1
-    table.add_column("line", style="bold")
+    table.add_column("part (row.column)" if _paired(made) else "line", style="bold")
     if several:
         table.add_column("photo")
-    for heading in ("points", "rms before", "rms after", "largest after"):
+    points = "matches" if _paired(made) else "points"
+    for heading in (points, "rms before", "rms after", "largest after"):
         table.add_column(heading, justify="right")
     for line in shown:
         photo = made.observations.photos[line.photo]
@@ -203,15 +210,24 @@ def _bootstrap_sentences(made: Calibration) -> list[str]:
 
 def _fitted(made: Calibration) -> str:
     """What was fitted: "140 points on 14 lines", "98 of 126 points on 12 of 14 lines"."""
+    paired = _paired(made)
     counts = [
-        (sum(line.n_points for line in made.lines), made.observations.n_points, "point"),
-        (sum(not line.left_out for line in made.lines), len(made.lines), "line"),
+        (
+            sum(line.n_points for line in made.lines),
+            made.observations.n_points,
+            "matched point" if paired else "point",
+        ),
+        (
+            sum(not line.left_out for line in made.lines),
+            len(made.lines),
+            "part" if paired else "line",
+        ),
     ]
     points, lines = (
         ("" if used == every else f"{used:,} of ") + count(every, noun)
         for used, every, noun in counts
     )
-    return f"{points} on {lines}"
+    return f"{points} in {lines} of the photo" if paired else f"{points} on {lines}"
 
 
 def _fit_sentences(made: Calibration) -> str:

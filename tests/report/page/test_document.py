@@ -16,7 +16,7 @@ from lxml import html  # pyright: ignore[reportAttributeAccessIssue]
 
 from plumbline.models import MODELS
 from plumbline.report.figures import FIGURES
-from plumbline.report.page.document import Part, page_bytes
+from plumbline.report.page.document import Assignment, Part, page_bytes
 from plumbline.report.page.markup import document, table, tag
 from plumbline.report.photos import find_photos
 from plumbline.result.calibration import Calibration
@@ -29,7 +29,7 @@ ROOT = Path(__file__).parents[2]
 
 def page(made: Calibration, compared: Comparison | None = None) -> bytes:
     (found,) = find_photos([made], None)
-    return page_bytes([Part(made, found, compared)])
+    return page_bytes([Part(made, found, compared)], Assignment())
 
 
 def parsed(content: bytes) -> Any:
@@ -259,7 +259,7 @@ def test_the_photo_is_a_jpeg_within_the_page() -> None:
 def test_several_lenses_get_a_section_each() -> None:
     made = [building(), hostile()]
     found = find_photos(made, None)
-    root = parsed(page_bytes([Part(m, f) for m, f in zip(made, found, strict=True)]))
+    root = parsed(page_bytes([Part(m, f) for m, f in zip(made, found, strict=True)], Assignment()))
     assert text(root.xpath("//h1")[0]) == "Lens calibration: 2 lenses"
     assert [text(t) for t in root.xpath("//section/h2")] == [
         "facade.jpg at 18 mm",
