@@ -245,13 +245,10 @@ class Observations:
         lines, copies = counted_once(self.lines, photos, frames)
         if not copies:
             return self
-        several = len(set(photos)) > 1
-        names = [
-            f"{line.label} of {self.photos[line.photo].name or f'photo {line.photo}'}"
-            if several
-            else line.label
-            for line in self.lines
-        ]
+        names = [line.label for line in self.lines]
+        if len(set(photos)) > 1:
+            shots = [p.name or p.source or f"photo {n}" for n, p in enumerate(self.photos)]
+            names = [f"{line.label} of {shots[line.photo]}" for line in self.lines]
         return replace(self, lines=lines, notes=(*self.notes, *told(copies, names)))
 
     @property
