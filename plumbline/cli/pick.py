@@ -48,6 +48,7 @@ def command(sources: tuple[str, ...], no_browser: bool, port: int, **labels: Any
     from plumbline.pick.opening import open_session
     from plumbline.pick.serving import serve
     from plumbline.reading.gathering import labels_of
+    from plumbline.report.writing import report_contents
 
     def announce(address: str, opened: bool) -> None:
         click.echo(f"Picking at {address}")
@@ -55,4 +56,5 @@ def command(sources: tuple[str, ...], no_browser: bool, port: int, **labels: Any
             click.echo("No browser could be opened: open this address in one yourself.")
         click.echo("Ctrl-C stops; every action is saved.")
 
-    serve(open_session(sources, labels_of(labels)), port, announce, browser=not no_browser)
+    session = open_session(sources, labels_of(labels))
+    serve(session, report_contents, port, announce, browser=not no_browser)

@@ -57,7 +57,7 @@ def rendered(truth: pair.Pair) -> Row:
 
 
 def covered(lens: str, fits: int) -> float:
-    """Share of 95 % intervals of a, b, c that hold the truth, a tenth of the matches being wrong."""
+    """Share of 95 % intervals of a, b, c that hold the truth; a tenth of the matches is wrong."""
     truth = pair.Pair(lens=board.LENSES[lens])
     held: list[bool] = []
     for seed in range(fits):

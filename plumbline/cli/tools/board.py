@@ -22,7 +22,7 @@ from plumbline.files import (
 )
 from plumbline.formats.known import suffixes
 from plumbline.imaging.upright import photo_of, read_upright
-from plumbline.observations import Observations, Origin, Photo
+from plumbline.observations import Observations, Origin
 from plumbline.observations.board import Board, lines_of
 from plumbline.observations.facts import LensFacts
 from plumbline.reading.photo import note_on_orientation, with_exif
@@ -154,7 +154,7 @@ def _about_the_centre(made: Calibration, corners: Path) -> list[str]:
     )
     return [
         f"the distortion centre is held at the photo's: free (--free {','.join(free)}) it lies at "
-        f"{where} px, and lines are straight to {other.rms_after_px:.2g} px instead of "
+        f"{where} px, and corners stray from straight lines by {other.rms_after_px:.2g} px instead of "
         f"{made.rms_after_px:.2g} px; plumbline compare {corners} judges it"
     ]
 

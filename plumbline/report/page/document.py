@@ -13,10 +13,11 @@ from plumbline.report.page.figures import count_figures, figures, photo_name
 from plumbline.report.page.markup import Element, Node, document, tag
 from plumbline.report.page.verdict import limits, recommends_the_fitted, verdict
 from plumbline.report.photos import Found
-from plumbline.report.terminal.summary import finding_sentence, lens_title
+from plumbline.report.terminal.summary import lens_title
 from plumbline.result.calibration import Calibration
 from plumbline.result.comparison import Comparison
 from plumbline.result.pair import PairCalibration
+from plumbline.result.sentence import finding_sentence
 from plumbline.wording import count
 
 _RESIDUALS = {

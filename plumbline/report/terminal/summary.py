@@ -18,19 +18,12 @@ from plumbline.observations import Observations
 from plumbline.report.terminal.checks import print_suspects
 from plumbline.result.calibration import Calibration
 from plumbline.result.pair import PairCalibration
-from plumbline.trust.placement import worth_of_error_bars
+from plumbline.result.sentence import finding_sentence
 from plumbline.wording import count, px
 
 _MOST_LINES = 24
 _LEAST_WIDTH = 80
-_WHAT = {False: "lines are straight to", True: "matches agree to"}
 _TRUST = "correction", "line by line", "part by part", "model"
-_KINDS = {
-    "barrel": "Barrel distortion",
-    "pincushion": "Pincushion distortion",
-    "wavy": "Wavy (moustache) distortion",
-    "none": "No distortion to speak of",
-}
 
 
 class WideConsole(Console):
@@ -93,22 +86,6 @@ def _print_note(console: Console, note: str) -> None:
 def _plain(text: str) -> str:
     """Text from a file, without effect on the terminal."""
     return escape(printable(text))
-
-
-def finding_sentence(made: Calibration) -> str:
-    """The finding in one line."""
-    finding = made.finding
-    place = "at the corner"
-    if finding.folds_at_px is not None:
-        place = f"{finding.folds_at_px:.0f} px from the centre, where the polynomial folds"
-    size = f": {finding.percent:+.2f} % ({finding.corner_px:+.1f} px) {place}"
-    doubt = worth_of_error_bars(made.dof)
-    return (
-        f"{_KINDS[finding.kind]}{'' if finding.kind == 'none' else size}; "
-        f"{_WHAT[_paired(made)]} {made.rms_before_px:.2f} px before, "
-        f"{made.rms_after_px:.2f} px after{f'; {doubt}' if doubt else ''}"
-        f"{f'; {made.doubt}' if made.doubt else ''}"
-    )
 
 
 def _paired(made: Calibration) -> bool:
