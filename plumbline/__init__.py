@@ -81,6 +81,12 @@ if TYPE_CHECKING:
         correct as correct,
         correct_array as correct_array,
     )
+    from plumbline.lenses.lookup import (
+        find_lens as find_lens,
+    )
+    from plumbline.lenses.request import (
+        LensRequest as LensRequest,
+    )
     from plumbline.models import (
         MODELS as MODELS,
         get_model as get_model,
@@ -105,6 +111,9 @@ if TYPE_CHECKING:
     from plumbline.reading.points import (
         read as read,
     )
+    from plumbline.report.writing import (
+        write_report as write_report,
+    )
     from plumbline.result.calibration import (
         Calibration as Calibration,
     )
@@ -128,16 +137,28 @@ if TYPE_CHECKING:
     from plumbline.trust.suspect import (
         Suspect as Suspect,
     )
+    from plumbline.writing.files import (
+        write_export as write_export,
+    )
     from plumbline.writing.results import (
         write as write,
         write_points as write_points,
     )
+    from plumbline.writing.zoom import (
+        read_zoom_lens as read_zoom_lens,
+        write_zoom as write_zoom,
+    )
 
 _HOMES = {
-    "plumbline.pairs.calibrate": ("calibrate_pair",),
-    "plumbline.result.pair": ("PairCalibration",),
     "plumbline.boards.find": ("find_board",),
-    "plumbline.observations.board": ("Board",),
+    "plumbline.edges.find": (
+        "Found",
+        "find_edges",
+    ),
+    "plumbline.edges.snap": (
+        "Snapped",
+        "snap",
+    ),
     "plumbline.errors": (
         "CollapsedFitError",
         "DegenerateLinesError",
@@ -150,10 +171,11 @@ _HOMES = {
         "UnsupportedModelError",
         "WriteError",
     ),
-    "plumbline.edges.find": ("Found", "find_edges"),
-    "plumbline.edges.snap": ("Snapped", "snap"),
     "plumbline.fit.bootstrap": ("bootstrap",),
-    "plumbline.fit.calibrate": ("calibrate", "calibrate_many"),
+    "plumbline.fit.calibrate": (
+        "calibrate",
+        "calibrate_many",
+    ),
     "plumbline.fit.check": ("check",),
     "plumbline.fit.choice.compare": ("compare",),
     "plumbline.formats.known": ("FORMATS",),
@@ -162,20 +184,54 @@ _HOMES = {
     "plumbline.ground.rectification": ("Rectification",),
     "plumbline.ground.rectify": ("rectify",),
     "plumbline.ground.stored": ("read_rectification",),
-    "plumbline.imaging.batch": ("Outcome", "correct_many"),
-    "plumbline.imaging.correct": ("Corrected", "correct", "correct_array"),
-    "plumbline.models": ("MODELS", "get_model"),
-    "plumbline.observations": ("Line", "Observations", "Photo"),
+    "plumbline.imaging.batch": (
+        "Outcome",
+        "correct_many",
+    ),
+    "plumbline.imaging.correct": (
+        "Corrected",
+        "correct",
+        "correct_array",
+    ),
+    "plumbline.lenses.lookup": ("find_lens",),
+    "plumbline.lenses.request": ("LensRequest",),
+    "plumbline.models": (
+        "MODELS",
+        "get_model",
+    ),
+    "plumbline.observations": (
+        "Line",
+        "Observations",
+        "Photo",
+    ),
+    "plumbline.observations.board": ("Board",),
     "plumbline.observations.facts": ("LensFacts",),
+    "plumbline.pairs.calibrate": ("calibrate_pair",),
     "plumbline.reading.joining": ("join",),
     "plumbline.reading.points": ("read",),
+    "plumbline.report.writing": ("write_report",),
     "plumbline.result.calibration": ("Calibration",),
     "plumbline.result.checked": ("Checked",),
-    "plumbline.result.comparison": ("Candidate", "Comparison"),
-    "plumbline.result.files": ("read_calibration", "read_calibrations"),
+    "plumbline.result.comparison": (
+        "Candidate",
+        "Comparison",
+    ),
+    "plumbline.result.files": (
+        "read_calibration",
+        "read_calibrations",
+    ),
+    "plumbline.result.pair": ("PairCalibration",),
     "plumbline.trust.check": ("Check",),
     "plumbline.trust.suspect": ("Suspect",),
-    "plumbline.writing.results": ("write", "write_points"),
+    "plumbline.writing.files": ("write_export",),
+    "plumbline.writing.results": (
+        "write",
+        "write_points",
+    ),
+    "plumbline.writing.zoom": (
+        "read_zoom_lens",
+        "write_zoom",
+    ),
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 
