@@ -87,7 +87,7 @@ def find_edges(photo: PhotoSource, *, samples: int = SAMPLES) -> Found:
 
     Raises:
         ReadError: the photo cannot be read.
-        OptionError: the array is no picture.
+        OptionError: the array is not a picture.
 
     Example:
         >>> import plumbline

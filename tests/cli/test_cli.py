@@ -806,7 +806,7 @@ def test_one_error_as_a_process(tmp_path: Path) -> None:
         {"PYTHONIOENCODING": "ascii"},
         {"PLUMBLINE_CACHE_DIR": os.devnull},
     ],
-    ids=["LANG=C", "ascii", "cache is no folder"],
+    ids=["LANG=C", "ascii", "cache is not a folder"],
 )
 def test_poor_surroundings(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, environment: dict[str, str]

@@ -154,7 +154,7 @@ def _about_the_centre(made: Calibration, corners: Path) -> list[str]:
     )
     return [
         f"the distortion centre is held at the photo's: free (--free {','.join(free)}) it lies at "
-        f"{where} px, and corners stray from straight lines by {other.rms_after_px:.2g} px instead of "
+        f"{where} px, and corners stray by {other.rms_after_px:.2g} px instead of "
         f"{made.rms_after_px:.2g} px; plumbline compare {corners} judges it"
     ]
 

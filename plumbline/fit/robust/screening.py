@@ -41,7 +41,7 @@ _MOST_OF_MIDDLE, _MOST_OF_FIRST = 1.3, 1.6
 scatter the ratio by less (`tests.benchmarks.spoiled`)."""
 _EXACT = 2  # each least-median line runs through two picks, which tell nothing of σ
 FINEST_PX = 0.01
-"""Nobody picks better than this; below, rounding is no reason for suspicion."""
+"""Nobody picks better than this; below, rounding is not a reason for suspicion."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,7 +23,7 @@ def read_matches(source: Source) -> tuple[Array, Array]:
     """Matched points, shape (n, 2) each.
 
     Raises:
-        ReadError: the text is no such table.
+        ReadError: the text is not such a table.
     """
     rows: list[tuple[int, list[str]]] = []
     for number, text in enumerate(source.text().splitlines(), start=1):
