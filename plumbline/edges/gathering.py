@@ -119,7 +119,7 @@ def gathered(ends: Array, lens: Lens, scale: float, *, seeds: int | None = None)
 
 
 class _Pieces(NamedTuple):
-    """Pieces as seen and undistorted, directions and lengths, and how far from a line they may be."""
+    """Pieces as seen and undistorted, their directions and lengths, and how straight they are."""
 
     seen: Array
     ideal: Array
