@@ -270,7 +270,7 @@ def test_pixels_the_other_way(tmp_path: Path) -> None:
         (
             ("correct", "--points", "p.csv", "--size", "9x9", *PTLENS, "--suffix", "x/y"),
             1,
-            "the suffix 'x/y' is no part of a file name",
+            "the suffix 'x/y' cannot be part of a file name",
         ),
         (("correct", "a.jpg", *PTLENS, "-o", "no/b.jpg"), 1, "folder does not exist"),
         (("correct", "a.jpg", *PTLENS, "--border", "transparent"), 1, "cannot be transparent"),
