@@ -21,6 +21,10 @@ if TYPE_CHECKING:
     from plumbline.boards.find import (
         find_board as find_board,
     )
+    from plumbline.edges.find import (
+        Found as Found,
+        find_edges as find_edges,
+    )
     from plumbline.edges.snap import (
         Snapped as Snapped,
         snap as snap,
@@ -30,6 +34,7 @@ if TYPE_CHECKING:
         DegenerateLinesError as DegenerateLinesError,
         FoldedError as FoldedError,
         OptionError as OptionError,
+        PairError as PairError,
         PlumblineError as PlumblineError,
         ReadError as ReadError,
         UnsettledError as UnsettledError,
@@ -76,6 +81,12 @@ if TYPE_CHECKING:
         correct as correct,
         correct_array as correct_array,
     )
+    from plumbline.lenses.lookup import (
+        find_lens as find_lens,
+    )
+    from plumbline.lenses.request import (
+        LensRequest as LensRequest,
+    )
     from plumbline.models import (
         MODELS as MODELS,
         get_model as get_model,
@@ -91,11 +102,17 @@ if TYPE_CHECKING:
     from plumbline.observations.facts import (
         LensFacts as LensFacts,
     )
+    from plumbline.pairs.calibrate import (
+        calibrate_pair as calibrate_pair,
+    )
     from plumbline.reading.joining import (
         join as join,
     )
     from plumbline.reading.points import (
         read as read,
+    )
+    from plumbline.report.writing import (
+        write_report as write_report,
     )
     from plumbline.result.calibration import (
         Calibration as Calibration,
@@ -111,34 +128,54 @@ if TYPE_CHECKING:
         read_calibration as read_calibration,
         read_calibrations as read_calibrations,
     )
+    from plumbline.result.pair import (
+        PairCalibration as PairCalibration,
+    )
     from plumbline.trust.check import (
         Check as Check,
     )
     from plumbline.trust.suspect import (
         Suspect as Suspect,
     )
+    from plumbline.writing.files import (
+        write_export as write_export,
+    )
     from plumbline.writing.results import (
         write as write,
         write_points as write_points,
     )
+    from plumbline.writing.zoom import (
+        read_zoom_lens as read_zoom_lens,
+        write_zoom as write_zoom,
+    )
 
 _HOMES = {
     "plumbline.boards.find": ("find_board",),
-    "plumbline.observations.board": ("Board",),
+    "plumbline.edges.find": (
+        "Found",
+        "find_edges",
+    ),
+    "plumbline.edges.snap": (
+        "Snapped",
+        "snap",
+    ),
     "plumbline.errors": (
         "CollapsedFitError",
         "DegenerateLinesError",
         "FoldedError",
         "OptionError",
+        "PairError",
         "PlumblineError",
         "ReadError",
         "UnsettledError",
         "UnsupportedModelError",
         "WriteError",
     ),
-    "plumbline.edges.snap": ("Snapped", "snap"),
     "plumbline.fit.bootstrap": ("bootstrap",),
-    "plumbline.fit.calibrate": ("calibrate", "calibrate_many"),
+    "plumbline.fit.calibrate": (
+        "calibrate",
+        "calibrate_many",
+    ),
     "plumbline.fit.check": ("check",),
     "plumbline.fit.choice.compare": ("compare",),
     "plumbline.formats.known": ("FORMATS",),
@@ -147,20 +184,54 @@ _HOMES = {
     "plumbline.ground.rectification": ("Rectification",),
     "plumbline.ground.rectify": ("rectify",),
     "plumbline.ground.stored": ("read_rectification",),
-    "plumbline.imaging.batch": ("Outcome", "correct_many"),
-    "plumbline.imaging.correct": ("Corrected", "correct", "correct_array"),
-    "plumbline.models": ("MODELS", "get_model"),
-    "plumbline.observations": ("Line", "Observations", "Photo"),
+    "plumbline.imaging.batch": (
+        "Outcome",
+        "correct_many",
+    ),
+    "plumbline.imaging.correct": (
+        "Corrected",
+        "correct",
+        "correct_array",
+    ),
+    "plumbline.lenses.lookup": ("find_lens",),
+    "plumbline.lenses.request": ("LensRequest",),
+    "plumbline.models": (
+        "MODELS",
+        "get_model",
+    ),
+    "plumbline.observations": (
+        "Line",
+        "Observations",
+        "Photo",
+    ),
+    "plumbline.observations.board": ("Board",),
     "plumbline.observations.facts": ("LensFacts",),
+    "plumbline.pairs.calibrate": ("calibrate_pair",),
     "plumbline.reading.joining": ("join",),
     "plumbline.reading.points": ("read",),
+    "plumbline.report.writing": ("write_report",),
     "plumbline.result.calibration": ("Calibration",),
     "plumbline.result.checked": ("Checked",),
-    "plumbline.result.comparison": ("Candidate", "Comparison"),
-    "plumbline.result.files": ("read_calibration", "read_calibrations"),
+    "plumbline.result.comparison": (
+        "Candidate",
+        "Comparison",
+    ),
+    "plumbline.result.files": (
+        "read_calibration",
+        "read_calibrations",
+    ),
+    "plumbline.result.pair": ("PairCalibration",),
     "plumbline.trust.check": ("Check",),
     "plumbline.trust.suspect": ("Suspect",),
-    "plumbline.writing.results": ("write", "write_points"),
+    "plumbline.writing.files": ("write_export",),
+    "plumbline.writing.results": (
+        "write",
+        "write_points",
+    ),
+    "plumbline.writing.zoom": (
+        "read_zoom_lens",
+        "write_zoom",
+    ),
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 

@@ -7,6 +7,7 @@
     │   └── UnsupportedModelError
     ├── DegenerateLinesError     the lines cannot show what is asked of them
     │   └── CollapsedFitError    the fit ran off to a nonsensical lens
+    ├── PairError                two pictures that are not an original and its correction
     ├── UnsettledError           a fit without a result is to be written for other programs
     └── FoldedError              a point lies where the distortion folds over
 
@@ -102,6 +103,10 @@ class DegenerateLinesError(PlumblineError):
 
 class CollapsedFitError(DegenerateLinesError):
     """The fit reached a small residual by shrinking or folding the photo."""
+
+
+class PairError(PlumblineError):
+    """Two pictures, or matched points, that are not an original and its correction."""
 
 
 class UnsettledError(PlumblineError):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import os
 import re
 import secrets
@@ -12,13 +13,16 @@ from pathlib import Path
 from plumbline.errors import ReadError, WriteError
 
 MARK = "made by plumbline"
-"""Stands in the head of every PTO and XML that plumbline makes from nothing, and ends its maps."""
+"""Stands in the head of every PTO and XML that plumbline creates, and ends its maps."""
 
 RESULT = "plumbline calibration"
 """Stands in the head of every JSON of calibrations that plumbline makes."""
 
 POINTS = "plumbline points"
 """Stands in the head of every JSON of picked points that plumbline makes."""
+
+_SEAL = re.compile(rb"(made by plumbline \S+) \[([0-9a-f]{16})\]")
+"""The mark with a checksum of the file, which tells whether someone edited it since."""
 
 ZOOM = "plumbline zoom"
 """Stands in the head of every JSON of a zoom lens that plumbline makes."""
@@ -93,7 +97,13 @@ def refuse_to_clobber(target: Path, inputs: Sequence[str], *, overwrite: bool) -
             hint="choose another name with -o",
         )
     if exists and not is_file:
-        raise WriteError("this is no regular file", path=target, hint="name a file with -o")
+        raise WriteError("this is not a regular file", path=target, hint="name a file with -o")
+    if exists and not overwrite and _is_edited(read_bytes(target)):
+        raise WriteError(
+            "this file was edited since plumbline wrote it, and the edits would be lost",
+            path=target,
+            hint="choose another name with -o, or replace it with --overwrite",
+        )
     if exists and not overwrite and not _is_ours(target):
         raise WriteError(
             "this file exists and was not written by plumbline",
@@ -130,6 +140,31 @@ def is_same(target: Path, path: str) -> bool:
         return False
 
 
+def sealed(content: bytes) -> bytes:
+    """A marked text file with its checksum beside the mark.
+
+    Whoever edits the file afterwards, to add vignetting to a profile for instance, breaks the
+    seal, and the edited file is not replaced.
+    """
+    start = content.find(MARK.encode())
+    end = start + len(MARK) + 1
+    while start >= 0 and end < len(content) and content[end : end + 1] not in b" \t\r\n":
+        end += 1
+    if start < 0:
+        return content
+    digest = hashlib.sha256(content).hexdigest()[:16].encode()
+    return content[:end] + b" [" + digest + b"]" + content[end:]
+
+
+def _is_edited(content: bytes) -> bool:
+    """Whether a sealed file was changed since."""
+    found = _SEAL.search(content[:_MOST_OF_HEADER])
+    if found is None:
+        return False
+    whole = content[: found.end(1)] + content[found.end() :]
+    return hashlib.sha256(whole).hexdigest()[:16].encode() != found[2]
+
+
 def _is_ours(target: Path) -> bool:
     """Whether plumbline wrote the file and no other program saved it since."""
     try:
@@ -145,7 +180,8 @@ def _is_ours(target: Path) -> bool:
         marks = [f'"{name}"'.encode() for name in (RESULT, POINTS, ZOOM, RECTIFICATION)]
         start = head[:_MOST_OF_HEADER]
         return start.lstrip().startswith(b"{") and any(mark in start for mark in marks)
-    return MARK.encode() in head[:_MOST_OF_HEADER] or FITTED_VALUE.search(head) is not None
+    marked = MARK.encode() in head[:_MOST_OF_HEADER]
+    return marked or FITTED_VALUE.search(head) is not None
 
 
 def write_atomically(contents: Mapping[Path, bytes]) -> None:

@@ -21,6 +21,17 @@ def joined(items: Sequence[str], word: str = "and") -> str:
     return f" {word} ".join(filter(None, (", ".join(items[:-1]), *items[-1:])))
 
 
+def power_of(base: str, exponent: int) -> str:
+    """A power as it is printed: "r²", "r¹⁰", and "r" itself."""
+    digits = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
+    return base if exponent == 1 else base + str(exponent).translate(digits)
+
+
+def signed(value: float, decimals: int = 1) -> str:
+    """A number with its sign, the minus a true one: "+1.2", "−0.3"."""
+    return f"{value:+.{decimals}f}".replace("-", "−")
+
+
 def px(length: float) -> str:
     """A length with two significant digits: "0.58 px", "1.0 px", "12 px", "1,230 px".
 
@@ -60,6 +71,9 @@ _SPELT = {
     "⁴": "^4",
     "⁵": "^5",
     "⁶": "^6",
+    "⁷": "^7",
+    "⁸": "^8",
+    "⁹": "^9",
     "¹": "^1",
     "⁻": "^-",
     "⁰": "^0",

@@ -22,9 +22,8 @@ FLOORS = (
     "formats trust",
     "reading result",
     "fit lenses",
-    "ground",
-    "writing imaging boards edges pairs",
-    "report",
+    "writing imaging boards edges pairs ground",
+    "report rectified",
     "pick",
     "cli",
 )

@@ -65,13 +65,15 @@ def test_a_sample_project_comes_out_at_its_truth(folder: Path, tmp_path: Path) -
     assert len(found) == len(lenses)
     for want, have in zip(lenses, found, strict=True):
         lines = have["observations"]["lines"]
-        assert len(lines) == want["n_lines"]
-        assert sum(len(line["points_px"]) for line in lines) == want["n_points"]
+        if "n_lines" in want:  # how many points of a pair match is not known beforehand
+            assert len(lines) == want["n_lines"]
+            assert sum(len(line["points_px"]) for line in lines) == want["n_points"]
         assert have["converged"]
         # σ̂ of n degrees of freedom spreads by 1/√(2n); four of those, and the photo's corners
         # stretch what the picks' noise looks like by a few percent.
         spread = 4 / np.sqrt(2 * have["dof"]) + 0.05
-        assert have["sigma_px"] == pytest.approx(expected["noise_px"], rel=spread)
+        if "noise_px" in expected:  # corners and matches are found, not picked
+            assert have["sigma_px"] == pytest.approx(expected["noise_px"], rel=spread)
         size = have["observations"]["photos"][0]["size"]
         truth = want["truth"]["coefficients"]
         abc = {name: have["coefficients"][name] for name in "abc"}
@@ -81,8 +83,9 @@ def test_a_sample_project_comes_out_at_its_truth(folder: Path, tmp_path: Path) -
 
 def test_every_folder_is_a_sample() -> None:
     folders = {path for path in SAMPLES.iterdir() if path.is_dir()}
-    assert folders == set(FOLDERS)
-    assert {path.name for path in folders} == {"building", "facade_csv", "grid_winmorph", "zoom"}
+    assert folders == {*FOLDERS, SAMPLES / "road"}  # which has tests of its own
+    names = {"board", "building", "facade_csv", "grid_winmorph", "pair", "road", "zoom"}
+    assert {path.name for path in folders} == names
 
 
 def test_readmes_show_the_command_that_is_tested() -> None:

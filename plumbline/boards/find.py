@@ -9,7 +9,6 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from plumbline.boards.array import Grey, brightness
 from plumbline.boards.growth import grow
 from plumbline.boards.links import link
 from plumbline.boards.membership import IRREGULAR, belonging, irregularity
@@ -19,6 +18,7 @@ from plumbline.boards.saddles import saddles
 from plumbline.boards.shape import cut_down, upright
 from plumbline.frame import Array
 from plumbline.observations.board import LEAST_ON_A_LINE, Board
+from plumbline.photos.brightness import Grey, brightness
 from plumbline.wording import count
 
 _LONG_SIDE_PX = 1600

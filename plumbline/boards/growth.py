@@ -14,11 +14,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from plumbline.boards.array import Grey
 from plumbline.boards.lattice import STEPS, Cell, Lattice, Placed, beside, frontier, prediction
 from plumbline.boards.links import NONE, Links
 from plumbline.boards.rings import Corners, ring_test
 from plumbline.frame import Array
+from plumbline.photos.brightness import Grey
 
 LEAST_SQUARES = 4
 """Squares that must meet in a board's first corner; chosen, because in photographs without boards

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from plumbline.boards.array import Grey, sampled
 from plumbline.boards.rings import Corners
 from plumbline.frame import Array
+from plumbline.photos.brightness import Grey, sampled
 
 _ASIDE = np.radians(20.0)
 """How far from its edge's direction a neighbour may lie: an edge bends by up to 10° in a square."""

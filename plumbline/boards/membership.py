@@ -29,7 +29,7 @@ strongest action camera had 0.04, one on a screen with moiré 0.12 (the same ben
 
 
 def belonging(board: Board) -> Board:
-    """The board without corners that are no part of a whole square, and without strays.
+    """The board without corners that are not part of a whole square, and without strays.
 
     A stray spoils the prediction of those around it too; of the oddest few that one goes whose
     absence leaves the others least odd.

@@ -8,9 +8,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from plumbline.boards.array import Grey, sampled
 from plumbline.frame import Array
 from plumbline.observations.board import Board
+from plumbline.photos.brightness import Grey, sampled
 
 _SHARE = 0.4
 """Half the window at most, as a share of the side of a square: no other corner comes into it."""

@@ -8,9 +8,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from plumbline.boards.array import Grey, sampled
 from plumbline.boards.saddles import LEAST_CONTRAST
 from plumbline.frame import Array
+from plumbline.photos.brightness import Grey, sampled
 
 _RADII_PX = 3.5, 5.0, 7.5
 """Rings, two of which must agree; chosen, because squares of 9 px hold the two smaller ones."""

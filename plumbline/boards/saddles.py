@@ -12,8 +12,8 @@ from typing import Any
 import cv2
 import numpy as np
 
-from plumbline.boards.array import Grey
 from plumbline.frame import Array
+from plumbline.photos.brightness import Grey
 
 SIGMA_PX = 1.5
 """Blur before derivatives are taken; chosen, because it is about a camera's own."""

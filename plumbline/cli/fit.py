@@ -23,8 +23,12 @@ Examples:
   plumbline fit building.pto --start a=0.03,b=-0.1,c=0.05
   plumbline fit building.pto --robust --model auto
   plumbline fit picks.csv --photo facade.jpg --snap
+  plumbline fit facade.jpg
   plumbline fit building.pto --report building.html --plot building.curve.svg
 """
+
+_FOR_PICKS = ("snap", "photo", "size", "image", "format", "grid", "order", "pixel_aspect")
+"""Options that say nothing of a photo whose edges are found without picks."""
 
 
 @click.command("fit", help=_HELP)
@@ -70,7 +74,7 @@ def command(
 
     from plumbline.cli.tools.deliver import deliver, refuse_unclear
     from plumbline.cli.tools.fit import Wishes, fit_lenses
-    from plumbline.reading.gathering import parts_of
+    from plumbline.reading.gathering import labels_of, parts_of, photo_alone, split_by_lens
 
     options.refuse_unknown(model, {"--free": free, "--hold": hold, "--start": start})
     delivery = options.delivery(how)
@@ -78,7 +82,15 @@ def command(
         refuse_unclear(delivery["output"], delivery["report"], delivery["plots"])
     wishes = Wishes(model, free, hold or (), start, residual, robust, bootstrap)
     narration = Console(stderr=True)
-    parts = parts_of(points, how)
+    if photo_alone(points, how["format"]):
+        from plumbline.cli.tools.find import trusted_edges
+
+        options.refuse_useless(click.get_current_context(), "a photo without picks", _FOR_PICKS)
+        found = trusted_edges(points[0], narration)
+        parts = split_by_lens(found.observations, labels_of(how))
+        how["photo"] = points[0]
+    else:
+        parts = parts_of(points, how)
     if snap:
         from plumbline.cli.tools.snap import snapped
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import Any
 
 import click
@@ -42,9 +43,12 @@ Examples:
 @options.labelling
 def command(sources: tuple[str, ...], no_browser: bool, port: int, **labels: Any) -> None:
     """Open, serve, until stopped."""
+    # Products here are small; NumPy's threads would only spin on the core that judges the picks.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from plumbline.pick.opening import open_session
     from plumbline.pick.serving import serve
     from plumbline.reading.gathering import labels_of
+    from plumbline.report.writing import report_contents
 
     def announce(address: str, opened: bool) -> None:
         click.echo(f"Picking at {address}")
@@ -52,4 +56,5 @@ def command(sources: tuple[str, ...], no_browser: bool, port: int, **labels: Any
             click.echo("No browser could be opened: open this address in one yourself.")
         click.echo("Ctrl-C stops; every action is saved.")
 
-    serve(open_session(sources, labels_of(labels)), port, announce, browser=not no_browser)
+    session = open_session(sources, labels_of(labels))
+    serve(session, report_contents, port, announce, browser=not no_browser)

@@ -126,6 +126,23 @@ Examples:
     help="Quality of JPEG and WebP.",
 )  # fmt: skip
 @click.option("--crs", metavar="EPSG", help="Coordinate system of X and Y, as EPSG:25832.")
+@click.option("--dxf", metavar="FILE", help="Also write frame, points, tapes and ellipses for CAD.")
+@click.option(
+    "--overlay",
+    metavar="AERIAL",
+    help="Also write the comparison with this picture with a world file, as NAME_overlay.png: "
+    "the aerial picture red, the photo green.",
+)
+@click.option(
+    "--grid-like",
+    metavar="PICTURE",
+    help="Take the grid of this picture with a world file, in place of extent and resolution.",
+)
+@click.option(
+    "--mosaic",
+    metavar="FILE",
+    help="Also write this picture blended with that of --grid-like, softly at their edges.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print the rectification as JSON.")
 @options.overwriting
 @click.option("-q", "--quiet", is_flag=True, help="Print only errors and notes.")
@@ -140,6 +157,7 @@ def command(photo: str, **how: Any) -> None:
     context = click.get_current_context()
     if how["no_picture"]:
         useless = {"output", "resolution", "extent", "coarsest", "border", "quality", "crs"}
+        useless |= {"overlay", "grid_like", "mosaic"}
         options.refuse_useless(context, "--no-picture", useless)
     request = lens_options.request_of(**{name: how.pop(name) for name in names})
     rectify.run(photo, request, how)

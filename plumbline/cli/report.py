@@ -10,8 +10,8 @@ from plumbline.cli import options
 
 _HELP = """Show a calibration as a page with figures, tables and checksums.
 
-RESULT is a JSON that `fit` wrote (-o building.json). The page is one self-contained HTML
-file; print it from any browser. It goes beside RESULT unless -o names another.
+RESULT is a JSON that `fit` or `rectify` wrote (-o building.json). The page is one self-contained
+HTML file; print it from any browser. It goes beside RESULT unless -o names another.
 The photo is looked for by its name, beside RESULT and beside the points; without it, figures
 show an empty frame. With --plot and without -o, only those figures are written.
 
@@ -42,12 +42,19 @@ def command(
     """Read, draw, write."""
     from rich.console import Console
 
+    from plumbline.cli.tools.ground_report import draw_ground, is_rectification
     from plumbline.cli.tools.report import draw
     from plumbline.errors import printable
     from plumbline.files import write_atomically
     from plumbline.report.writing import check_targets
     from plumbline.result.files import read_calibrations
 
+    if is_rectification(result):
+        if plots:
+            raise click.UsageError("--plot is for calibrations; leave it out")
+        target = draw_ground(result, output, photo, overwrite=overwrite)
+        click.echo(f"Wrote {printable(str(target))}")
+        return
     page = output
     if page is None and not plots:
         page = str(Path(result).with_suffix(".html"))

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from plumbline.edges.gathering import Gathered, gathered, voted_lens
 from plumbline.edges.growing import grown
@@ -55,6 +57,7 @@ class Found:
         lines: What was traced, every sample of it; in the order of the lines.
         lens: The rough lens that made them collinear.
         verdict: Whether they are vouched for, and to what error.
+        pixels: The photo as it was looked at, upright.
         notes: What the photo tells of itself.
     """
 
@@ -62,6 +65,7 @@ class Found:
     lines: tuple[Traced, ...]
     lens: Lens
     verdict: Verdict
+    pixels: NDArray[Any]
     notes: tuple[str, ...] = ()
 
 
@@ -83,7 +87,7 @@ def find_edges(photo: PhotoSource, *, samples: int = SAMPLES) -> Found:
 
     Raises:
         ReadError: the photo cannot be read.
-        OptionError: the array is no picture.
+        OptionError: the array is not a picture.
 
     Example:
         >>> import plumbline
@@ -97,7 +101,8 @@ def find_edges(photo: PhotoSource, *, samples: int = SAMPLES) -> Found:
     lines, lens = _long_edges(light, frame)
     points = [condensed(each, samples).points_px for each in lines]
     verdict = judged(points, frame)
-    return Found(_observed(photograph, points, verdict), lines, lens, verdict, photograph.notes)
+    observed = _observed(photograph, points, verdict)
+    return Found(observed, lines, lens, verdict, photograph.pixels, photograph.notes)
 
 
 def _long_edges(light: Light, frame: Frame) -> tuple[tuple[Traced, ...], Lens]:
@@ -117,7 +122,7 @@ def _long_edges(light: Light, frame: Frame) -> tuple[tuple[Traced, ...], Lens]:
 
 
 def _informative(groups: Sequence[Gathered], ends: Array, frame: Frame) -> list[Gathered]:
-    """The lines that tell most of the lens: long, and far from the centre."""
+    """The lines that tell most of the lens: long, far from the centre, and of both directions."""
 
     def worth(group: Gathered) -> float:
         points = ends[group.members].reshape(-1, 2)
@@ -127,7 +132,13 @@ def _informative(groups: Sequence[Gathered], ends: Array, frame: Frame) -> list[
         distance = abs(float(centre[0] * direction[1] - centre[1] * direction[0]))
         return group.span_px * (0.25 + min(distance, 1.0))
 
-    return sorted(groups, key=worth, reverse=True)[:MOST]
+    families: tuple[list[Gathered], list[Gathered]] = ([], [])
+    for group in sorted(groups, key=worth, reverse=True):
+        span = np.ptp(ends[group.members].reshape(-1, 2), axis=0)
+        families[int(span[1] > span[0])].append(group)
+    level, upright = families
+    share = max(MOST // 2, MOST - len(upright))
+    return [*level[:share], *upright[: MOST - min(share, len(level))]]
 
 
 def _traced(light: Light, group: Gathered, ends: Array, lens: Lens, scale: float) -> Traced:

@@ -119,7 +119,7 @@ def gathered(ends: Array, lens: Lens, scale: float, *, seeds: int | None = None)
 
 
 class _Pieces(NamedTuple):
-    """Pieces as seen and undistorted, their directions and lengths, and how straight is straight."""
+    """Pieces as seen and undistorted, directions, lengths, and how far off a line they may be."""
 
     seen: Array
     ideal: Array

@@ -55,8 +55,8 @@ def load(source: PhotoSource, size: tuple[int, int] | None = None) -> Photograph
             picked in as it is stored.
 
     Raises:
-        ReadError: the file is no photograph that can be read.
-        OptionError: the photo has another size, or the array is no picture.
+        ReadError: the file is not a photograph that can be read.
+        OptionError: the photo has another size, or the array is not a picture.
     """
     if isinstance(source, np.ndarray):
         photograph = Photograph(_checked(source))
@@ -125,7 +125,7 @@ def _checked(pixels: NDArray[Any]) -> NDArray[Any]:
         or not pixels.size
     ):
         raise OptionError(
-            f"an array of shape {pixels.shape} and type {pixels.dtype} is no picture",
+            f"an array of shape {pixels.shape} and type {pixels.dtype} is not a picture",
             hint="give rows, columns and at most 4 channels as uint8 or uint16",
         )
     return pixels

@@ -28,6 +28,7 @@ from plumbline.trust.bootstrap import Bootstrap
 from plumbline.trust.linearised import in_frame
 
 _LEAST, _MOST = 50, 100_000
+"""Chosen, because fewer fits give no 95 % interval, and more take hours."""
 
 
 def bootstrap(
@@ -47,7 +48,7 @@ def bootstrap(
     """
     if not _LEAST <= fits <= _MOST:
         raise OptionError(
-            f"a bootstrap of {fits:,} fits makes no sense",
+            f"a bootstrap of {fits:,} fits is out of range",
             hint=f"take from {_LEAST} to {_MOST:,}; 1,000 are usual",
         )
     problem = prepare(

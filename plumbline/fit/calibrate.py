@@ -55,7 +55,7 @@ def calibrate(
             `d` and `e`, the distortion centre in pixels, may be among them.
         hold: Coefficients to hold nevertheless.
         start: Start vector by name; coefficients it leaves out start at 0. None starts from
-            nothing and cannot end in a wrong minimum; "file" takes the project's values. Held
+            nothing, in stages that avoid wrong minima; "file" takes the project's values. Held
             coefficients stay at their start value; `d` and `e` at the project's.
         residual: "image" minimises distances in the photograph's own pixels, where picking
             errors live; "corrected" those in the corrected photo, as Hugin does.

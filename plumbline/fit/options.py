@@ -62,7 +62,7 @@ def plan(
             )
         if set(model.coefficients).isdisjoint(stored):
             raise UnsupportedModelError(
-                f"the file's a, b, c are no start vector for the model {model.label}",
+                f"the file's a, b, c cannot start the model {model.label}",
                 hint="give the start vector itself, or fit with --model ptlens",
             )
         values |= stored
@@ -76,8 +76,8 @@ def plan(
 def _refuse_geometry(facts: LensFacts) -> None:
     if facts.projection != "rectilinear":
         raise OptionError(
-            f"the photo is marked as {facts.projection}, in which straight edges are no straight "
-            "lines",
+            f"the photo is marked as {facts.projection}, in which straight edges are not "
+            "straight lines",
             hint="only rectilinear lenses can be calibrated for now; if the mark is wrong, set the "
             "lens type to Normal (f0) in the project",
         )
@@ -122,7 +122,7 @@ def _free(
             if asked:
                 notes.append(
                     f"the project asks to optimise {listed} alone; {rest} are fitted too, since "
-                    "without distortion there is no centre of it to be found"
+                    "without distortion its centre cannot be found"
                 )
         else:
             wanted = asked

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from plumbline.errors import About, CollapsedFitError, DegenerateLinesError, PlumblineError
 from plumbline.fit.outcome import finish, finish_many
@@ -13,6 +14,7 @@ from plumbline.fit.problem import Problem, Start, prepare
 from plumbline.fit.program.solve import solve
 from plumbline.fit.program.task import Solution
 from plumbline.fit.robust.fits import Robust, robust_fits
+from plumbline.fit.robust.screening import reach
 from plumbline.fit.robust.suspects import suspects_of
 from plumbline.models import get_model
 from plumbline.observations import Observations
@@ -96,13 +98,30 @@ def _explained(plain: Calibration, suspects: Sequence[Suspect]) -> str:
         if suspect.left_out:
             first = int(ends[suspect.line] - plain.observations.sizes[suspect.line])
             accused[[first + pick for pick in suspect.picks]] = True
-    if not accused.any() or not plain.trust.explains(accused):
+    if not accused.any() or not (
+        _right_with_more(plain, accused) or plain.trust.besides.explains(accused)
+    ):
         return ""
     return (
         f"{count(int(np.count_nonzero(accused)), 'pick')} would look wrong under this model and "
         "right under a richer one: the model is too simple, not the picks wrong; see plumbline "
         "compare"
     )
+
+
+def _right_with_more(plain: Calibration, accused: NDArray[np.bool_]) -> bool:
+    """Whether accused picks are like the others once all radial coefficients are free."""
+    model = plain.lens.model
+    free = (*model.radial, *(name for name in plain.free if name not in model.radial))
+    if set(free) == set(plain.free):
+        return False
+    try:
+        problem = prepare(plain.observations, model, free, (), None, plain.residual)
+        made = finish(problem, solve(model, problem.task))
+    except PlumblineError:
+        return False
+    away = np.abs(made.linearised.studentised(made.sigma_px)[accused])
+    return bool(made.converged and np.max(away) < reach(made.dof, len(accused)))
 
 
 def _accused(plain: Calibration, found: Robust | DegenerateLinesError) -> Calibration:

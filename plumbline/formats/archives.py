@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import PurePosixPath
 
 from plumbline.formats.base import Source
-from plumbline.formats.known import POINT_FORMATS, recognised
+from plumbline.formats.known import FORMATS, POINT_FORMATS, recognised
 from plumbline.formats.packed import BROKEN, MAX_MEMBERS, MAX_UNPACKED, unpacked_size
 from plumbline.wording import listed
 
@@ -49,8 +49,8 @@ def opened(source: Source) -> Source:
     is_tar = source.content[257:262] == b"ustar"
     if not is_tar and not source.content.startswith(_ZIP):
         return source
-    if not is_tar and recognised(source) is not None:
-        return source  # a workbook or a set of selections, which are archives themselves
+    if any(row.packed and row.recognises(source) for row in FORMATS.values()):
+        return source
     try:
         members = list(_of_tar(source) if is_tar else _of_zip(source))
     except BROKEN:

@@ -40,7 +40,7 @@ class Source:
         return self.content[:4096].decode("utf-8-sig", errors="replace")
 
     def refuse_binary(self) -> None:
-        """Refuse what is no text in any encoding that `text` knows.
+        """Refuse what is not text in any encoding that `text` knows.
 
         Raises:
             ReadError: the file is empty or binary.
@@ -85,7 +85,7 @@ class Source:
         """A finite number from text; the decimal sign is a dot.
 
         Raises:
-            ReadError: the text is no number, or NaN or infinite.
+            ReadError: the text is not a number, or is NaN or infinite.
         """
         try:
             # float() also takes "1_000" and other digits than 0-9, which no program writes.
@@ -95,7 +95,7 @@ class Source:
                 f"{shown(text)} stands where {what} belongs", line, "correct or remove this row"
             ) from None
         if not math.isfinite(value):
-            raise self.error(f"{shown(text)} is no finite number", line, "correct or remove it")
+            raise self.error(f"{shown(text)} is not a finite number", line, "correct or remove it")
         return value
 
 

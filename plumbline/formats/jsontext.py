@@ -27,7 +27,7 @@ def parsed(source: Source, text: str, line: int | None = None) -> object:
         line: The line of the file where it stands, if it is only a part of it.
 
     Raises:
-        ReadError: the text is no JSON, or nests too deep, or is too large.
+        ReadError: the text is not JSON, or nests too deep, or is too large.
     """
     if '"imageData"' in text:
         text = _IMAGE_DATA.sub('"imageData": null', text)
@@ -107,7 +107,7 @@ def _kind(value: object) -> str:
         return shown(value)
     if isinstance(value, dict):
         return "an object"
-    return "a list" if isinstance(value, list) else "no finite number"
+    return "a list" if isinstance(value, list) else "not a finite number"
 
 
 def pairs(source: Source, value: object, what: str) -> list[tuple[float, float]]:

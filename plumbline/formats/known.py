@@ -46,6 +46,7 @@ class Format:
             first.
         module: Its module below `plumbline.formats`; empty where only lenses are written.
         reads: Whether picked points are read from it.
+        packed: Whether its files may be archives, which the module opens itself.
         writes: What is written to it.
     """
 
@@ -54,6 +55,7 @@ class Format:
     suffixes: tuple[str, ...]
     module: str = ""
     reads: bool = True
+    packed: bool = False
     writes: tuple[Kind, ...] = ()
 
     def recognises(self, source: Source) -> bool:
@@ -125,6 +127,7 @@ FORMATS: dict[str, Format] = {
             "ImageJ or Fiji results, XY coordinates or selections",
             (".csv", ".txt", ".xls", ".tsv", ".roi", ".zip"),
             "points.imagej",
+            packed=True,
         ),
         Format("wpd-project", "WebPlotDigitizer project", (".json", ".tar"), "points.wpd_project"),
         Format(
@@ -135,7 +138,9 @@ FORMATS: dict[str, Format] = {
         ),
         Format("napari", "napari shapes", (".csv",), "points.napari"),
         Format("makesense", "makesense.ai points", (".csv",), "points.makesense"),
-        Format("xlsx", "Excel workbook with a table line,x,y", (".xlsx",), "points.xlsx"),
+        Format(
+            "xlsx", "Excel workbook with a table line,x,y", (".xlsx",), "points.xlsx", packed=True
+        ),
         Format("winmorph", "WinMorph project", (".mrf",), "points.winmorph"),
         Format(
             "csv",

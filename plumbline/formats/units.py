@@ -37,6 +37,7 @@ def in_pixels(source: Source, observations: Observations) -> Observations:
 
     Raises:
         ReadError: the points are in another unit.
+        OptionError: a photo's size is impossible.
     """
     lines = list(observations.lines)
     notes = list(observations.notes)
@@ -44,6 +45,7 @@ def in_pixels(source: Source, observations: Observations) -> Observations:
         places = [i for i, line in enumerate(lines) if line.photo == number]
         if not places:
             continue
+        photo.checked(observations.named)
         points = np.concatenate([lines[i].points_px for i in places])
         if not np.isfinite(points).all():
             continue

@@ -8,12 +8,44 @@ from functools import cached_property
 from math import isfinite
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from plumbline.errors import FoldedError, OptionError
 from plumbline.frame import Array, Frame
 from plumbline.models import CENTRE, Model
 from plumbline.models.inverse import REACH
+
+
+def as_points(points_px: ArrayLike) -> tuple[Array, NDArray[np.bool_] | None]:
+    """Points of shape (..., 2), NaN in both coordinates where one is NaN or masked.
+
+    Returns:
+        The points, and which of them are masked, shape (...); None where none can be.
+
+    Raises:
+        OptionError: these are not numbers in pairs.
+    """
+    try:
+        points = np.array(np.ma.getdata(points_px), dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise OptionError(f"the points are not an array of numbers: {error}") from None
+    if points.ndim < 1 or points.shape[-1] != 2:
+        raise OptionError(
+            f"the points have shape {points.shape}",
+            hint="give x and y in pixels in the last axis, as in shape (n, 2)",
+        )
+    masked = isinstance(points_px, np.ma.MaskedArray)
+    hidden = np.asarray(np.ma.getmaskarray(points_px).any(axis=-1)) if masked else None
+    points[np.isnan(points).any(axis=-1)] = np.nan
+    if hidden is not None:
+        points[hidden] = np.nan
+    return points, hidden
+
+
+def _hidden_again(points: Array, hidden: NDArray[np.bool_] | None) -> Array:
+    if hidden is None:
+        return points
+    return np.ma.masked_array(points, np.repeat(hidden[..., None], 2, axis=-1))
 
 
 @dataclass(frozen=True)
@@ -79,23 +111,26 @@ class Lens:
         """Map observed points to ideal ones.
 
         Args:
-            points_px: Points as picked, pixels, y down. Shape (..., 2).
+            points_px: Points as picked, pixels, y down. Shape (..., 2), OpenCV's (n, 1, 2) too.
 
         Returns:
-            Ideal points, same shape and units.
+            Ideal points, same shape and units. A point with a coordinate that is NaN or masked
+            is NaN or masked as a whole.
 
         Raises:
+            OptionError: these are not numbers in pairs.
             FoldedError: the polynomial folds before it reaches a point.
         """
         ideal_px = self.undistort_or_nan(points_px)
-        self._refuse_folded(ideal_px, points_px)
+        self._refuse_folded(np.ma.getdata(ideal_px), as_points(points_px)[0])
         return ideal_px
 
     def undistort_or_nan(self, points_px: ArrayLike) -> Array:
         """As `undistort`, but points beyond the fold become NaN."""
-        points = self.frame.normalise(points_px, self.unit_px) - self._offset
+        given, hidden = as_points(points_px)
+        points = self.frame.normalise(given, self.unit_px) - self._offset
         ideal = self.model.undistort(points, self.vector, self._reach)
-        return self.frame.to_pixels(ideal, self.unit_px)
+        return _hidden_again(self.frame.to_pixels(ideal, self.unit_px), hidden)
 
     def distort(self, points_px: ArrayLike) -> Array:
         """Map ideal points to observed ones.
@@ -104,20 +139,23 @@ class Lens:
             points_px: Ideal points, pixels, y down. Shape (..., 2).
 
         Returns:
-            Points as the photograph shows them, same shape and units.
+            Points as the photograph shows them, same shape and units; as for `undistort` where
+            a coordinate is NaN or masked.
 
         Raises:
+            OptionError: these are not numbers in pairs.
             FoldedError: the polynomial folds before it reaches a point.
         """
         observed_px = self.distort_or_nan(points_px)
-        self._refuse_folded(observed_px, points_px)
+        self._refuse_folded(np.ma.getdata(observed_px), as_points(points_px)[0])
         return observed_px
 
     def distort_or_nan(self, points_px: ArrayLike) -> Array:
         """As `distort`, but points beyond the fold become NaN."""
-        points = self.frame.normalise(points_px, self.unit_px)
+        given, hidden = as_points(points_px)
+        points = self.frame.normalise(given, self.unit_px)
         observed = self.model.distort(points, self.vector, self._reach)
-        return self.frame.to_pixels(observed + self._offset, self.unit_px)
+        return _hidden_again(self.frame.to_pixels(observed + self._offset, self.unit_px), hidden)
 
     def fold_radius_px(self) -> float | None:
         """Observed radius in square pixels at which the model folds, if inside the photo.

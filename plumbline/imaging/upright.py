@@ -11,6 +11,7 @@ from PIL import Image
 
 from plumbline.files import read_bytes
 from plumbline.lenses.mapping import TURNS
+from plumbline.observations import Photo
 from plumbline.photos.exif import PhotoFacts, read_photo
 from plumbline.photos.files.picture import Picture, Pixels, decode
 
@@ -40,6 +41,15 @@ def read_upright(path: str | Path) -> Upright:
     data = read_bytes(path)
     pixels = turned(_plain(decode(data, path)), facts.orientation)
     return Upright(pixels, facts, hashlib.sha256(data).hexdigest())
+
+
+def photo_of(photo: Upright) -> Photo:
+    """The photograph as observations have it."""
+    height, width = photo.pixels.shape[:2]
+    facts = photo.facts
+    return Photo(
+        (width, height), facts.name, sha256=photo.sha256, taken=facts.taken, serial=facts.serial
+    )
 
 
 def turned(pixels: Pixels, orientation: int) -> Pixels:

@@ -17,7 +17,7 @@ from plumbline.lenses.profile import LensProfile, correction
 from plumbline.lenses.request import LensRequest
 from plumbline.lenses.stored import StoredLens, of_calibration
 from plumbline.observations.facts import LensFacts
-from plumbline.photos.exif import PhotoFacts
+from plumbline.photos.exif import PhotoFacts, read_photo
 from plumbline.result.calibration import Calibration
 
 LensSource = Calibration | Lens | LensRequest | str | Path | None
@@ -65,6 +65,20 @@ def find_correction(photo: PhotoFacts, request: LensRequest) -> Correction:
             size; the sentence says what to add.
     """
     return correction(look_up(photo, request).profile, photo, request)
+
+
+def find_lens(photo: str | Path, request: LensRequest | None = None) -> LookUp:
+    """Find the lens that `correct` would use for a photograph, with the lenses that match.
+
+    Args:
+        photo: The photograph.
+        request: What is known of the lens; by default EXIF alone tells it.
+
+    Raises:
+        ReadError: the photograph cannot be read.
+        OptionError: no lens, or more than one, is found.
+    """
+    return look_up(read_photo(photo), request or LensRequest())
 
 
 def look_up(photo: PhotoFacts, request: LensRequest) -> LookUp:

@@ -33,6 +33,7 @@ CENTRE = ("d", "e")
 """The distortion centre's offset from the image centre in pixels; every model may free it."""
 
 MAX_POWER = 12
+"""Chosen, because no lens needs more and higher powers are rounding alone."""
 
 
 def get_model(name: str) -> Model:
@@ -48,7 +49,7 @@ def get_model(name: str) -> Model:
     base, colon, powers = name.partition(":")
     if base not in MODELS or (colon and base != "radial"):
         raise UnsupportedModelError(
-            f"there is no distortion model {name!r}",
+            f"{name!r} is not a distortion model",
             hint=f"choose one of {', '.join(MODELS)}, or radial:POWERS such as radial:1,2,3",
         )
     if not colon:
@@ -63,7 +64,7 @@ def get_model(name: str) -> Model:
         or not 1 <= chosen[0] <= chosen[-1] <= MAX_POWER
     ):
         raise UnsupportedModelError(
-            f"{powers!r} are no powers for the radial model",
+            f"{powers!r} are not powers for the radial model",
             hint=f"give distinct whole numbers from 1 to {MAX_POWER}, as in radial:2,4,6",
         )
     return Radial(chosen)

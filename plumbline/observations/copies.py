@@ -1,4 +1,4 @@
-"""Copies are no evidence: lines and picks that stand twice are found, to be counted once."""
+"""Copies add no evidence: lines and picks that stand twice are found, to be counted once."""
 
 from __future__ import annotations
 
@@ -99,34 +99,40 @@ def counted_once(
 
 
 def told(copies: Sequence[Copy], names: Sequence[str]) -> tuple[str, ...]:
-    """One sentence for each line that is repeated.
+    """What was repeated, in sentences that name the copies.
 
     Args:
         copies: What was found.
         names: The name of each line.
     """
+    whole: defaultdict[int, list[str]] = defaultdict(list)
+    for copy in copies:
+        if not copy.left:
+            whole[copy.original].append(names[copy.line])
+    each = [
+        f"{'line' if len(again) == 1 else 'lines'} {joined(_cut(again))} "
+        f"{'repeats' if len(again) == 1 else 'repeat'} line {names[original]}"
+        for original, again in whole.items()
+    ]
     notes: list[str] = []
-    for original in dict.fromkeys(copy.original for copy in copies):
-        of_it = [copy for copy in copies if copy.original == original]
-        whole = [names[copy.line] for copy in of_it if not copy.left]
-        if whole:
-            verb = "repeats" if len(whole) == 1 else "repeat"
-            lines = "line" if len(whole) == 1 else "lines"
-            notes.append(
-                f"{lines} {joined(whole[:_NAMED] + _more(whole))} {verb} line {names[original]}: "
-                "copies are no evidence and count once"
-            )
-        notes += [
-            f"line {names[copy.line]} repeats {count(copy.picks, 'pick')} of line "
-            f"{names[original]}, which count once"
-            for copy in of_it
-            if copy.left
-        ]
+    if each:
+        number = sum(map(len, whole.values()))
+        copied = "the copy counts once" if number == 1 else f"these {number:,} copies count once"
+        notes.append(f"{'; '.join(_cut(each))}: {copied}")
+    parts = [
+        f"line {names[copy.line]} repeats {count(copy.picks, 'pick')} of line "
+        f"{names[copy.original]}"
+        for copy in copies
+        if copy.left
+    ]
+    if parts:
+        notes.append(f"{'; '.join(_cut(parts))}: what two lines share counts once")
     return tuple(notes)
 
 
-def _more(names: Sequence[str]) -> list[str]:
-    return [f"{len(names) - _NAMED} more"] if len(names) > _NAMED else []
+def _cut(items: Sequence[str]) -> list[str]:
+    more = [f"{len(items) - _NAMED:,} more"] if len(items) > _NAMED else []
+    return [*items[:_NAMED], *more]
 
 
 def _shared_points(lines: Sequence[Line], frames: Sequence[Hashable]) -> dict[int, dict[int, int]]:

@@ -24,7 +24,7 @@ from plumbline.wording import count, listed
 __all__ = ["MAX_SIDE", "Line", "Observations", "Origin", "Photo"]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Observations:
     """Photos, lenses and lines, checked as far as one file can be.
 
@@ -55,14 +55,15 @@ class Observations:
         """Observations of one photo from arrays.
 
         Args:
-            lines: One (n, 2) array of pixel coordinates a line, n ≥ 3.
+            lines: One (n, 2) array of pixel coordinates a line, n ≥ 3, or OpenCV's (n, 1, 2);
+                masked points are left out, with a note.
             size: Width and height of the photo in pixels.
             labels: Names of the lines, one each; numbers from 1 by default.
             focal_px: Focal length in pixels, for the models that need it.
             pixel_aspect: Width of one pixel over its height.
 
         Raises:
-            OptionError: an array has the wrong shape or holds NaN or infinity, the size is no
+            OptionError: an array has the wrong shape or holds NaN or infinity, the size is not
                 two positive whole numbers, or there are more or fewer labels than lines.
 
         Example:
@@ -78,21 +79,28 @@ class Observations:
                 f"there are {count(len(names), 'label')} for {count(len(arrays), 'line')}",
                 hint="give one label for each line, or none at all",
             )
-        made: list[Line] = []
+        chosen: list[Line] = []
+        hidden = 0
         for label, values in zip(map(str, names), arrays, strict=True):
             try:
-                points = np.array(values, dtype=np.float64)
+                points = np.array(np.ma.getdata(values), dtype=np.float64)
+                seen = ~np.ma.getmaskarray(np.ma.asarray(values))
             except (TypeError, ValueError) as error:
                 raise OptionError(f"line {label} is not an array of numbers: {error}") from None
+            if points.ndim == 3 and points.shape[1:] == (1, 2):
+                points = points[:, 0]  # as OpenCV has corners
             if points.ndim != 2 or points.shape[1] != 2:
                 raise OptionError(
                     f"line {label} has shape {points.shape}",
                     hint="give one array of shape (n, 2), x and y in pixels, for each line",
                 )
-            made.append(Line(points, 0, label))
+            shown = seen.reshape(points.shape).all(axis=1)
+            hidden += int(np.count_nonzero(~shown))
+            chosen.append(Line(points[shown], 0, label))
+        notes = (f"{count(hidden, 'masked point')} left out",) if hidden else ()
         facts = LensFacts(focal_px=None if focal_px is None else float(focal_px))
         photo = Photo(size, pixel_aspect=pixel_aspect)
-        return cls((photo,), tuple(made), (facts,)).checked().counted_once()
+        return cls((photo,), tuple(chosen), (facts,), notes).checked().counted_once()
 
     @classmethod
     def side_by_side(cls, parts: Sequence[Observations]) -> Observations:
@@ -105,6 +113,11 @@ class Observations:
         notes = tuple(dict.fromkeys(note for part in parts for note in part.notes))
         origins = tuple(dict.fromkeys(origin for part in parts for origin in part.origins))
         return cls(tuple(photos), tuple(lines), tuple(lenses), notes, origins)
+
+    def __repr__(self) -> str:
+        """In one line what they are."""
+        photos, lines = count(len(self.photos), "photo"), count(len(self.lines), "line")
+        return f"<Observations: {count(self.n_points, 'point')} on {lines} in {photos}>"
 
     @cached_property
     def sizes(self) -> NDArray[np.int64]:
@@ -219,7 +232,7 @@ class Observations:
     def counted_once(self) -> Observations:
         """The same observations without lines and picks that stand there twice.
 
-        A copy is no second measurement. Lines of one photo that share two picks or more lie on
+        A copy is not a second measurement. Lines of one photo that share two picks or more lie on
         one edge, and what they share counts once; a single pick that two lines share is where
         they cross, as in a grid. Notes name the copies.
         """
@@ -232,13 +245,10 @@ class Observations:
         lines, copies = counted_once(self.lines, photos, frames)
         if not copies:
             return self
-        several = len(set(photos)) > 1
-        names = [
-            f"{line.label} of {self.photos[line.photo].name or f'photo {line.photo}'}"
-            if several
-            else line.label
-            for line in self.lines
-        ]
+        names = [line.label for line in self.lines]
+        if len(set(photos)) > 1:
+            shots = [p.name or p.source or f"photo {n}" for n, p in enumerate(self.photos)]
+            names = [f"{line.label} of {shots[line.photo]}" for line in self.lines]
         return replace(self, lines=lines, notes=(*self.notes, *told(copies, names)))
 
     @property
@@ -258,7 +268,7 @@ class Observations:
         sentence = f"the point ({x:g}, {y:g}) of line {line.label} " + (
             f"lies outside the {frame.width}x{frame.height} photo"
             if np.isfinite(x) and np.isfinite(y)
-            else "is no finite number"
+            else "is not a finite number"
         )
         hint = "check the photo's size and the point; pixels count from 0 at the top left"
         if len(self.origins) == 1:

@@ -68,7 +68,7 @@ class Photo:
         size = self.frame.size if self.size is None else tuple(self.size)
         if len(size) != 2:
             raise OptionError(
-                f"{where}the size {size}{name} is no width and height",
+                f"{where}the size {size}{name} is not a width and a height",
                 hint="give two whole numbers of pixels",
             )
         width, height = size
@@ -95,12 +95,15 @@ class Line:
         photo: Index into `Observations.photos`.
         label: The line's name in the source.
         rows: Where each point stands in the source file, counted from 1; None for arrays.
+        corrected_px: Where a corrected picture shows the same points, shape (n, 2): these are
+            matches of two pictures, and lie on no line. None for picks.
     """
 
     points_px: Array
     photo: int = 0
     label: str = ""
     rows: NDArray[np.int64] | None = None
+    corrected_px: Array | None = None
 
     def first_of_each(self) -> NDArray[np.int64]:
         """Where each distinct point stands first, in rising order."""

@@ -16,7 +16,7 @@ from starlette.types import Receive, Scope, Send
 
 from plumbline.errors import OptionError, PlumblineError, printable
 from plumbline.pick import requests
-from plumbline.pick.finishing import compared, finished
+from plumbline.pick.finishing import Drawing, compared, finished
 from plumbline.pick.security import TooMuchError
 from plumbline.pick.session import Session
 from plumbline.pick.tiles import tile
@@ -32,7 +32,7 @@ _MOST_NAME = 40
 _T = TypeVar("_T", bound=msgspec.Struct)
 
 
-def app_of(session: Session) -> Starlette:
+def app_of(session: Session, draw: Drawing) -> Starlette:
     """The app of one session; it must stand behind `plumbline.pick.security.Guard`."""
     assets = _assets()
 
@@ -52,7 +52,7 @@ def app_of(session: Session) -> Starlette:
 
     async def take(request: Request) -> Response:
         asked = await _body(request, requests.Page)
-        await run_in_threadpool(session.take, asked.page)
+        await run_in_threadpool(session.holder.take, asked.page)
         return _told({})
 
     async def compare(request: Request) -> Response:
@@ -61,7 +61,7 @@ def app_of(session: Session) -> Starlette:
 
     async def finish(request: Request) -> Response:
         await _body(request, requests.Page)
-        return _told(await run_in_threadpool(finished, session))
+        return _told(await run_in_threadpool(finished, session, draw))
 
     def tile_of(request: Request) -> Response:
         where: Mapping[str, Any] = request.path_params

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
+from pathlib import Path
+from typing import Any, Protocol
 
 import msgspec
 
@@ -14,13 +16,31 @@ from plumbline.observations import Observations, Origin
 from plumbline.pick.document import FORMAT, Document
 from plumbline.pick.observing import observations_of
 from plumbline.pick.session import Session
-from plumbline.report.terminal.summary import finding_sentence
-from plumbline.report.writing import report_contents
+from plumbline.result.calibration import Calibration
 from plumbline.result.comparison import Comparison, as_dict
+from plumbline.result.sentence import finding_sentence
 from plumbline.writing.beside import command_line, write_results
 
 
-def finished(session: Session) -> dict[str, Any]:
+class Drawing(Protocol):
+    """`plumbline.report.writing.report_contents`, which is above this room."""
+
+    def __call__(
+        self,
+        calibrations: Sequence[Calibration],
+        report: str | None,
+        plots: Sequence[str],
+        /,
+        *,
+        comparisons: Sequence[Comparison | None],
+        photo: str | None,
+        source: str | None,
+    ) -> tuple[dict[Path, bytes], list[str]]:
+        """The bytes of each file, and notes."""
+        ...
+
+
+def finished(session: Session, draw: Drawing) -> dict[str, Any]:
     """Fit all samples, write a Hugin project, a LensFun profile and a report beside the photo.
 
     Raises:
@@ -37,7 +57,7 @@ def finished(session: Session) -> dict[str, Any]:
     session.hub.publish("progress", "Drawing the report…")
     report = photo.with_suffix(".fit.html")
     try:
-        drawn, unseen = report_contents(
+        drawn, unseen = draw(
             [made],
             str(report),
             (),
@@ -51,7 +71,7 @@ def finished(session: Session) -> dict[str, Any]:
         raise
     return {
         "finding": finding_sentence(made),
-        "files": [printable(str(path)) for path in written],
+        "files": [printable(path.name) for path in written],
         "notes": [printable(note) for note in (*notes, *more, *unseen, *made.notes)],
     }
 

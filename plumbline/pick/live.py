@@ -54,10 +54,18 @@ def fit_now(document: Document) -> Fitted:
         return Fitted(None, error.message, error.hint)
 
 
-def guide(document: Document, fitted: Fitted) -> Lens | None:
-    """The lens that predicts where edges run: the fit's, or a rough one from few lines."""
+def guide(document: Document, fitted: Fitted, found: Lens | None = None) -> Lens | None:
+    """The lens that predicts where edges run: the fit's, or a rough one.
+
+    Args:
+        document: The document.
+        fitted: Its fit.
+        found: The lens that edges tell which were found without a click, if there are any.
+    """
     if fitted.made is not None and len(fitted.made.observations.lines) >= _TRUSTED:
         return fitted.made.lens
+    if found is not None:
+        return found
     first = document.photos[0].size
     lines = [
         np.array(line.points)

@@ -50,7 +50,7 @@ class LoadedPhoto:
         path: The file.
 
     Raises:
-        ReadError: it is no photograph that can be read.
+        ReadError: it is not a photograph that can be read.
     """
 
     def __init__(self, path: Path) -> None:

@@ -14,6 +14,7 @@ import uvicorn
 
 from plumbline.errors import OptionError
 from plumbline.pick.app import app_of
+from plumbline.pick.finishing import Drawing
 from plumbline.pick.security import Guard
 from plumbline.pick.session import Session
 
@@ -30,12 +31,18 @@ _LONGEST_S = 2
 
 
 def serve(
-    session: Session, port: int, announce: Callable[[str, bool], None], *, browser: bool
+    session: Session,
+    draw: Drawing,
+    port: int,
+    announce: Callable[[str, bool], None],
+    *,
+    browser: bool,
 ) -> None:
     """Serve until Ctrl-C.
 
     Args:
         session: What is served.
+        draw: Draws the report when the user finishes.
         port: The port; 0 for any that is free.
         announce: Called with the address, and whether a browser was opened.
         browser: Open the user's browser.
@@ -48,7 +55,7 @@ def serve(
     secret = secrets.token_urlsafe(_SECRET_BYTES)
     address = f"http://{HOST}:{port}/{secret}/"
     config = uvicorn.Config(
-        Guard(app_of(session), secret, port),
+        Guard(app_of(session, draw), secret, port),
         log_level="critical",
         access_log=False,
         limit_concurrency=_MOST_CONNECTIONS,

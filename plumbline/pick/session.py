@@ -7,13 +7,15 @@ from collections.abc import Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any
 
-from plumbline.errors import OptionError, PlumblineError, printable
+from plumbline.errors import PlumblineError, printable
 from plumbline.geometry.lens import Lens
 from plumbline.models import MODELS
 from plumbline.pick import requests
 from plumbline.pick.document import Document
 from plumbline.pick.editing import Edited, Editor, Tracer
 from plumbline.pick.events import Hub
+from plumbline.pick.finding import Finder
+from plumbline.pick.holder import Holder
 from plumbline.pick.judging import Judge
 from plumbline.pick.live import Fitted, fit_now, guide, warm_up
 from plumbline.pick.mending import mended
@@ -45,6 +47,7 @@ class Session:
         notes: Sequence[str] = (),
     ) -> None:
         self.hub = Hub()
+        self.holder = Holder(self.hub)
         self.photos = tuple(photos)
         self.keeper = keeper
         self.document = document
@@ -52,23 +55,22 @@ class Session:
         self._notes = tuple(notes)
         self._editor = Editor(tracer)
         self._revision = 0
-        self._holder = ""
-        self._pages: set[str] = set()
         self._unsaved = ""
+        self._warm = False
         self._changed_photos = ""
         self._judgement: dict[str, Any] = {}
         self._lock = threading.RLock()
         self._saver = ThreadPoolExecutor(1, "save")
+        self._finder = Finder()
+        self._found_lens: Lens | None = None
         self._guide: Future[Lens | None] | None = None
         self._guesser = ThreadPoolExecutor(1, "guide")
         self._judge = Judge(self._judged)
         self._stopped = threading.Event()
-        self.hub.on_open, self.hub.on_close = self._opened, self._closed
 
     def begin(self) -> None:
         """Load photos, make programs ready and fit, all in the background."""
-        for photo in self.photos:
-            threading.Thread(target=self._load, args=(photo,), daemon=True).start()
+        threading.Thread(target=self._load, daemon=True).start()
         threading.Thread(target=self._ready, daemon=True).start()
         threading.Thread(target=self._watch, daemon=True).start()
 
@@ -76,6 +78,7 @@ class Session:
         """Save what is not saved, and stop."""
         self._stopped.set()
         self._judge.stop()
+        self._finder.stop()
         with self._lock:
             if self._unsaved:
                 self._save(self.document)
@@ -95,7 +98,7 @@ class Session:
             OptionError: another page picks, or the request names what is not there.
         """
         with self._lock:
-            self._refuse_reader(page)
+            self.holder.refuse_reader(page)
             edited = self._edited(request)
             saving: Future[None] | None = None
             if edited.document is not self.document:
@@ -146,14 +149,9 @@ class Session:
                 ],
                 "judgement": self._judgement,
                 "notes": [printable(note) for note in self._notes],
-                "holder": self._holder,
+                "holder": self.holder.page,
+                "ready": self._warm,
             }
-
-    def take(self, page: str) -> None:
-        """Let this page pick, and no other."""
-        with self._lock:
-            self._holder = page
-        self.hub.publish("holder", page)
 
     def _edited(self, request: requests.Request) -> Edited:
         lens = None if self._guide is None else self._guide.result()
@@ -169,7 +167,7 @@ class Session:
 
     def _fit(self) -> None:
         self.fitted = fit_now(self.document)
-        self._guide = self._guesser.submit(guide, self.document, self.fitted)
+        self._guide = self._guesser.submit(guide, self.document, self.fitted, self._found_lens)
         self._judge.ask(self._revision, self.document)
 
     def _mend(self, revision: int) -> None:
@@ -184,28 +182,6 @@ class Session:
             state = self.state()
         self.hub.publish("state", state)
 
-    def _refuse_reader(self, page: str) -> None:
-        if not self._holder:
-            self.take(page)
-        if self._holder != page:
-            raise OptionError(
-                "these picks are open on another page", hint="take over here, or go on there"
-            )
-
-    def _opened(self, page: str) -> None:
-        with self._lock:
-            self._pages.add(page)
-            free = self._holder not in self._pages
-        if free:
-            self.take(page)
-
-    def _closed(self, page: str) -> None:
-        with self._lock:
-            self._pages.discard(page)
-            left = next(iter(self._pages), "") if self._holder == page else None
-        if left:
-            self.take(left)
-
     def _save(self, document: Document) -> None:
         try:
             self.keeper.write(document)
@@ -215,10 +191,33 @@ class Session:
                 f"; {error.hint}" if error.hint else ""
             )
 
-    def _load(self, photo: LoadedPhoto) -> None:
-        photo.load()
-        if photo.failure is not None:
-            self.hub.publish("failure", printable(photo.failure.message))
+    def _load(self) -> None:
+        """Decode all photos, then look for edges in them."""
+        for photo in self.photos:
+            photo.load()
+            if photo.failure is not None:
+                self.hub.publish("failure", printable(photo.failure.message))
+        if self._editor.tracer is None:
+            return
+        for number, photo in enumerate(self.photos):
+            if photo.failure is None:
+                self._propose(number, photo)
+
+    def _propose(self, number: int, photo: LoadedPhoto) -> None:
+        first = len(self._editor.proposals)
+        found = self._finder.find(photo.path, photo.size, number, first)
+        if found is None:
+            return
+        with self._lock:
+            proposals = (*self._editor.proposals, *found.proposals)
+            self._editor = Editor(self._editor.tracer, proposals)
+            if number == 0:
+                self._found_lens = found.lens
+                self._guide = self._guesser.submit(
+                    guide, self.document, self.fitted, self._found_lens
+                )
+            state = self.state()
+        self.hub.publish("state", state)
 
     def _ready(self) -> None:
         with self._lock:
@@ -226,6 +225,7 @@ class Session:
             state = self.state()
         self.hub.publish("state", state)
         warm_up(self.document.settings, self.photos[0].size)
+        self._warm = True
         self.hub.publish("ready", True)
 
     def _judged(self, revision: int, judgement: dict[str, Any]) -> None:

@@ -13,8 +13,8 @@ from plumbline.geometry.lines import by_line, fit_lines
 from plumbline.pick.document import Document
 from plumbline.pick.live import Fitted
 from plumbline.pick.observing import fitted_lines
-from plumbline.report.terminal.summary import finding_sentence
 from plumbline.result.calibration import Calibration
+from plumbline.result.sentence import finding_sentence
 from plumbline.trust.linearised import in_frame
 from plumbline.wording import px
 

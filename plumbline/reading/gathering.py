@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 from plumbline.errors import OptionError
+from plumbline.files import read_bytes
+from plumbline.formats.base import Source
+from plumbline.formats.known import FORMATS
 from plumbline.frame import Frame
 from plumbline.observations import Observations
 from plumbline.observations.facts import LensFacts, checked_aspect_ratio
@@ -23,6 +27,9 @@ _FACTS = {
 }
 """What the options that describe a lens are called in `LensFacts`."""
 
+_PHOTOS = (".jpg", ".jpeg", ".png", ".tif", ".tiff", ".webp")
+"""Suffixes of photographs that are decoded."""
+
 
 def parts_of(sources: Sequence[str], options: Mapping[str, Any]) -> list[Observations]:
     """What a verb reads: the observations of each lens in its files.
@@ -37,6 +44,20 @@ def parts_of(sources: Sequence[str], options: Mapping[str, Any]) -> list[Observa
     labels = labels_of(options)
     how = {name: value for name, value in options.items() if name not in _FACTS}
     return split_by_lens(read(sources, **how), labels)
+
+
+def photo_alone(sources: Sequence[str], format_name: str | None = None) -> bool:
+    """Whether the only source is a photograph, not a file of points.
+
+    A TIFF of ImageJ may hold points: a file that a format recognises is one of points.
+    """
+    if len(sources) != 1 or format_name is not None:
+        return False
+    path = Path(sources[0])
+    if path.suffix.lower() not in _PHOTOS or not path.is_file():
+        return False
+    source = Source(str(path), read_bytes(path))
+    return not any(each.recognises(source) for each in FORMATS.values())
 
 
 def labels_of(options: Mapping[str, Any]) -> dict[str, Any]:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Generator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -12,15 +13,71 @@ from plumbline.formats.base import Source
 from plumbline.observations import Photo
 from plumbline.observations.facts import LensFacts, best_crop_factor
 from plumbline.photos.exif import PhotoFacts, read_photo
+from plumbline.photos.identity import Identity, identity_of
 
 ONE_FOCAL_LENGTH = 0.005
 """Focal lengths in millimetres that differ by less, relatively, are one."""
 
 _COPIED = 1e-4
+"""Crop factors that differ by less are one number, copied; chosen, as they have 4 to 6 digits."""
 
 
-def photo_beside(source: Source, photo: Photo, notes: list[str]) -> PhotoFacts | None:
-    """The photo that a file of points names, if it lies in that file's folder."""
+@dataclass(frozen=True)
+class Shot:
+    """A photograph at hand.
+
+    Attributes:
+        facts: What its header says.
+        path: Its file; of a member of an archive only the name counts.
+        content: Its bytes where it stands in an archive; else None.
+    """
+
+    facts: PhotoFacts
+    path: Path
+    content: bytes | None = None
+
+    @classmethod
+    def of_file(cls, path: str | Path, *, remedy: str = "") -> Shot:
+        """The photo in a file.
+
+        Raises:
+            ReadError: it cannot be read.
+        """
+        return cls(read_photo(path, remedy=remedy), Path(path))
+
+    @classmethod
+    def of_member(cls, name: str, content: bytes) -> Shot:
+        """The photo in an archive.
+
+        Raises:
+            ReadError: it cannot be read.
+        """
+        with _at_hand(name, content) as path:
+            return cls(replace(read_photo(path), name=name), Path(name), content)
+
+    def identity(self) -> Identity:
+        """Which photograph it is.
+
+        Raises:
+            ReadError: the file cannot be read.
+        """
+        if self.content is None:
+            return identity_of(self.path)
+        with _at_hand(self.path.name, self.content) as path:
+            return identity_of(path)
+
+
+@contextmanager
+def _at_hand(name: str, content: bytes) -> Generator[Path]:
+    """A file with the bytes of a member of an archive, for as long as it is needed."""
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / f"photo{Path(name).suffix}"
+        path.write_bytes(content)
+        yield path
+
+
+def photo_beside(source: Source, photo: Photo, notes: list[str]) -> Shot | None:
+    """The photo that a file of points names, if it lies in its folder or its archive."""
     name = photo.name.replace("\\", "/").rpartition("/")[2]
     if not name and len(source.photos) == 1:
         (name,) = source.photos
@@ -29,9 +86,9 @@ def photo_beside(source: Source, photo: Photo, notes: list[str]) -> PhotoFacts |
     path = Path(source.path).parent / name
     try:
         if name in source.photos:
-            found = _read_member(name, source.photos[name])
+            shot = Shot.of_member(name, source.photos[name])
         elif path.is_file():
-            found = read_photo(path)
+            shot = Shot.of_file(path)
         else:
             return None
     except ReadError as error:
@@ -39,6 +96,7 @@ def photo_beside(source: Source, photo: Photo, notes: list[str]) -> PhotoFacts |
         return None
     except (OSError, ValueError):
         return None
+    found = shot.facts
     if photo.size not in (None, found.size, found.stored_size):
         width, height = photo.frame.size
         notes.append(
@@ -46,15 +104,7 @@ def photo_beside(source: Source, photo: Photo, notes: list[str]) -> PhotoFacts |
             f"{width}x{height}: its EXIF was not used"
         )
         return None
-    return found
-
-
-def _read_member(name: str, content: bytes) -> PhotoFacts:
-    """The header of a photo that stands in an archive."""
-    with TemporaryDirectory() as folder:
-        path = Path(folder) / f"photo{Path(name).suffix}"
-        path.write_bytes(content)
-        return replace(read_photo(path), name=name)
+    return shot
 
 
 def agreed_size(
@@ -88,7 +138,7 @@ def agreed_size(
             raise source.error(
                 f"contradictory sizes: {who} says {size[0]}x{size[1]}, {other} "
                 f"{differing[0]}x{differing[1]}",
-                hint="picks must be made in the photo at the size that is given",
+                hint="pick the points in the photo at the size that is given",
             )
     return size
 

@@ -14,10 +14,9 @@ from plumbline.formats.grid import refuse_all_as_one
 from plumbline.formats.known import format_of
 from plumbline.formats.units import in_pixels
 from plumbline.observations import Observations, Origin, Photo
-from plumbline.photos.exif import PhotoFacts, read_photo
-from plumbline.photos.identity import identity_of
+from plumbline.photos.exif import PhotoFacts
 from plumbline.reading.joining import join
-from plumbline.reading.photo import agreed_size, note_on_orientation, photo_beside, with_exif
+from plumbline.reading.photo import Shot, agreed_size, note_on_orientation, photo_beside, with_exif
 
 _GIVE_SIZE = ", or the size alone with --size WIDTHxHEIGHT"
 
@@ -75,20 +74,20 @@ def read(
                 f"{file}: this file is named twice, and its points would count twice",
                 hint="name each file once",
             )
-    shot = None if photo is None else read_photo(photo, remedy=_GIVE_SIZE)
+    shot = None if photo is None else Shot.of_file(photo, remedy=_GIVE_SIZE)
     parts: list[Observations] = []
     for file in files:
         content = read_bytes(file)
         source = opened(Source(str(file), content))
         row = format_of(source, format)
-        known = size if size is not None or shot is None else shot.size
+        known = size if size is not None or shot is None else shot.facts.size
         raw = _chosen(source, row.read(source, ReadOptions(known, grid, order)), image)
         if grid is None and not singly:
             refuse_all_as_one(source, raw)
-        part = _with_photos(source, raw, photo, shot, size, pixel_aspect)
+        part = _with_photos(source, raw, shot, size, pixel_aspect)
+        part = replace(part, origins=(Origin(str(file), row.name, content),))
         if not singly:
             part = in_pixels(source, part)
-        part = replace(part, origins=(Origin(str(file), row.name, content),))
         part = part.checked(ideal=ideal, singly=singly)
         parts.append(part if singly else part.counted_once())
     return join(parts)
@@ -97,8 +96,7 @@ def read(
 def _with_photos(
     source: Source,
     raw: Observations,
-    path: str | Path | None,
-    shot: PhotoFacts | None,
+    shot: Shot | None,
     size: tuple[int, int] | None,
     pixel_aspect: float | None,
 ) -> Observations:
@@ -107,8 +105,7 @@ def _with_photos(
     Args:
         source: The file.
         raw: What it holds.
-        path: The photo that the user names.
-        shot: What it says of itself.
+        shot: The photo that the user names.
         size: The photo's size that the user gives.
         pixel_aspect: The pixel aspect that the user gives.
     """
@@ -117,22 +114,22 @@ def _with_photos(
     one_lens = len({raw.photos[index].lens for index in with_lines}) == 1
     if shot is not None and not one_lens:
         notes.append(
-            f"{shot.name} was not used: the project has lines of several lenses, and it is not "
-            "known which of them took it (--image N selects one)"
+            f"{shot.facts.name} was not used: the project has lines of several lenses, and it is "
+            "not known which of them took it (--image N selects one)"
         )
     photos: list[Photo] = []
     pictures: dict[int, list[PhotoFacts]] = {}
     for index, each in enumerate(raw.photos):
-        picture = photo_beside(source, each, notes) if shot is None else None
+        found = photo_beside(source, each, notes) if shot is None else None
         if one_lens and index in with_lines:
-            picture = picture or shot
+            found = found or shot
+        picture = found.facts if found else None
         agreed = agreed_size(source, each, size if index in with_lines else None, picture)
         name = each.name or (picture.name if picture else "")
         aspect = each.pixel_aspect if pixel_aspect is None else pixel_aspect
         photos.append(replace(each, size=agreed, name=name, pixel_aspect=aspect))
-        if picture and index in with_lines:
-            file = path if picture is shot and path else Path(source.path).parent / picture.name
-            photos[-1] = replace(photos[-1], **asdict(identity_of(file)))
+        if found and picture and index in with_lines:
+            photos[-1] = replace(photos[-1], **asdict(found.identity()))
             pictures.setdefault(each.lens, []).append(picture)
             notes += [n for n in note_on_orientation(picture, agreed) if n not in notes]
     lenses = [with_exif(f, pictures.get(i, []), notes) for i, f in enumerate(raw.lenses)]

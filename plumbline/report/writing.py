@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from plumbline.errors import WriteError
-from plumbline.files import refuse_to_clobber, refuse_unknown_suffix
+from plumbline.files import refuse_to_clobber, refuse_unknown_suffix, write_atomically
 from plumbline.report.photos import Found, find_photos
 from plumbline.result.calibration import Calibration, refuse_unsettled
 
@@ -142,3 +142,47 @@ def report_contents(
             refuse_to_clobber(target, inputs, overwrite=overwrite)
             contents[target] = figure_bytes(subject, target)
     return contents, list(dict.fromkeys(note for each in found for note in each.notes))
+
+
+def write_report(
+    result: Calibration | Sequence[Calibration],
+    path: str | Path,
+    *,
+    comparisons: Sequence[Comparison | None] = (),
+    photo: str | Path | None = None,
+    case: str = "",
+    examiner: str = "",
+    overwrite: bool = False,
+) -> Path:
+    """Write the report of calibrations: one self-contained HTML page.
+
+    Args:
+        result: One calibration, or one for each lens.
+        path: Where to, `.html`.
+        comparisons: `plumbline.compare` of each lens, where the page is to show it.
+        photo: The photograph, where it is not beside the points.
+        case: Name or number of the case.
+        examiner: Who calibrated.
+        overwrite: Replace a file that plumbline did not write.
+
+    Returns:
+        The path written.
+
+    Raises:
+        WriteError: the file exists and is not plumbline's, or cannot be written.
+        ReadError: the photograph cannot be read.
+        UnsettledError: a fit did not reach a minimum.
+    """
+    calibrations = [result] if isinstance(result, Calibration) else list(result)
+    contents, _ = report_contents(
+        calibrations,
+        str(path),
+        (),
+        comparisons=comparisons,
+        photo=None if photo is None else str(photo),
+        case=case,
+        examiner=examiner,
+        overwrite=overwrite,
+    )
+    write_atomically(contents)
+    return Path(path)

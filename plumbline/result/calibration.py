@@ -31,7 +31,7 @@ from plumbline.trust.suspect import Suspect
 from plumbline.trust.verdicts import after_fit, doubt
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Calibration:
     """A fitted lens and how far to trust it.
 
@@ -85,6 +85,12 @@ class Calibration:
             every = tuple(np.ones(len(values), dtype=np.bool_) for values in self.residuals_px)
             object.__setattr__(self, "kept", every)
 
+    def __repr__(self) -> str:
+        """In one line what was found."""
+        values = ", ".join(f"{name} = {self.coefficients[name]:.6g}" for name in self.free)
+        state = f"{self.rms_after_px:.3g} px rms" if self.converged else "not converged"
+        return f"<Calibration: {self.model} {values or 'held'}; {state}; {self.observations!r}>"
+
     @property
     def model(self) -> str:
         """Name of the distortion model."""
@@ -128,7 +134,7 @@ class Calibration:
         return (
             *self.observations.notes,
             *self.remarks,
-            *notes_on(self.trust, self.checks, self.lines, unsettled),
+            *notes_on(self.trust, self.checks, self._straight, unsettled),
         )
 
     @property
@@ -254,6 +260,11 @@ class Calibration:
             count = int(np.count_nonzero(kept))
             measured.append(LineStraightness(line.label, line.photo, count, *numbers))
         return tuple(measured)
+
+    @property
+    def _straight(self) -> tuple[LineStraightness, ...]:
+        """What notes judge lines by."""
+        return self.lines
 
     def _fitted(self, values: Sequence[Array]) -> list[Array]:
         """The values of the picks that were fitted."""

@@ -11,10 +11,12 @@ import numpy as np
 from plumbline._version import __version__
 from plumbline.frame import Array
 from plumbline.result.calibration import Calibration
+from plumbline.result.pair import PairCalibration, corrected_px
 from plumbline.result.schema import ResultRecord
 from plumbline.result.writing import record_of
 from plumbline.trust.covariance import covariance_of, sigma_of
 from plumbline.trust.linearised import Linearised
+from plumbline.trust.matched import UNSEEN, derivatives
 
 _ROUNDING = 1e-6
 """Chosen, because figures are written exactly: two computers round apart by far less, and nobody
@@ -54,6 +56,8 @@ def contradiction(made: Calibration, record: ResultRecord) -> str:
 
 def _of_the_fit(made: Calibration) -> str:
     """Lens, picks, residuals, σ̂ and covariance against one another."""
+    if isinstance(made, PairCalibration):
+        return _of_the_matches(made)
     kept, linear = np.concatenate(made.kept), made.linearised
     centre = float(made.lens.model.factor(np.float64(0.0), made.lens.vector))
     if not centre > 0 or not np.array_equal(linear.kept, kept):
@@ -72,6 +76,25 @@ def _of_the_fit(made: Calibration) -> str:
         "the covariance is not that of the picks": _covariance_follows(made, linear),
     }
     return next((sentence for sentence, true in holds.items() if not true), "")
+
+
+def _of_the_matches(made: PairCalibration) -> str:
+    """The same for a pair."""
+    kept, stored = np.concatenate(made.kept), np.concatenate(made.residuals_px)
+    distance_px = np.nan_to_num(np.linalg.norm(made.vectors_px, axis=1), nan=np.inf)
+    if not _near(stored, distance_px):
+        return "the lens does not leave the matches the residuals that are stored"
+    if made.dof != 2 * int(np.count_nonzero(kept)) - len(made.free) - UNSEEN:
+        return "the degrees of freedom are not those of the matches"
+    if not _near(made.sigma_px, np.sqrt(np.sum(distance_px[kept] ** 2) / made.dof)):
+        return "σ̂ is not that of the residuals"
+    slopes = derivatives(made.setting, made.free, corrected_px(made.observations)[kept])
+    whole = made.sigma_px**2 * np.linalg.inv(np.einsum("nik,nil->kl", slopes, slopes))
+    computed = whole[: len(made.free), : len(made.free)]
+    errors = np.sqrt(np.diag(computed))
+    if np.any(np.abs(made.covariance - computed) > _STRETCH * np.outer(errors, errors)):
+        return "the covariance is not that of the matches"
+    return ""
 
 
 def _covariance_follows(made: Calibration, linear: Linearised) -> bool:

@@ -57,7 +57,7 @@ def consistent_results(text: str, path: str) -> tuple[Calibration, ...]:
     """Read back what `to_json` wrote, and compute again what follows from lens and picks.
 
     Raises:
-        ReadError: the text is no such JSON, or it contradicts itself.
+        ReadError: the text is not such JSON, or it contradicts itself.
     """
     records = read_records(text, path)
     calibrations = tuple(calibration_of(record, path) for record in records)

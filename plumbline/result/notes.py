@@ -56,6 +56,8 @@ def _folding(trust: Assessment) -> str:
 
 def _outstanding(trust: Assessment, lines: Sequence[LineStraightness]) -> str:
     fitted = [line for line in lines if not line.left_out]
+    if not fitted:
+        return ""
     typical = float(np.median([line.rms_after_px for line in fitted]))
     worst = max(fitted, key=lambda line: line.rms_after_px)
     if worst.rms_after_px > max(_OUTSTANDING * typical, 1.0):

@@ -7,7 +7,7 @@ module to what they say of one another.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict, fields, replace
 from typing import Any
 
 import numpy as np
@@ -21,6 +21,7 @@ from plumbline.models import get_model
 from plumbline.observations import Line, Observations, Origin, Photo
 from plumbline.observations.facts import LensFacts
 from plumbline.result.calibration import Calibration
+from plumbline.result.pair import PairCalibration
 from plumbline.result.records import DamageError, converted, parsed
 from plumbline.result.schema import (
     FORMAT_VERSION,
@@ -30,6 +31,7 @@ from plumbline.result.schema import (
     LineRecord,
     Matrix,
     ObservationsRecord,
+    PairRecord,
     ResultRecord,
     ResultsRecord,
     SuspectRecord,
@@ -106,7 +108,7 @@ def _calibration(record: ResultRecord) -> Calibration:
     names = set(lens.coefficients)
     if not set(free) <= names or len(set(free)) < len(free) or set(record.start) != names:
         raise DamageError("the coefficients do not fit the model")
-    return Calibration(
+    known = Calibration(
         observations=observations,
         lens=lens,
         free=free,
@@ -127,6 +129,14 @@ def _calibration(record: ResultRecord) -> Calibration:
         command=record.command,
         version=record.plumbline,
     )
+    return known if record.pair is None else _paired(known, record.pair)
+
+
+def _paired(made: Calibration, pair: PairRecord) -> PairCalibration:
+    if any(line.corrected_px is None for line in made.observations.lines):
+        raise DamageError("a pair lacks its matched points")
+    values = {each.name: getattr(made, each.name) for each in fields(made)}
+    return PairCalibration(**values, scale=pair.scale, place_px=pair.place_px)
 
 
 def _observations(stored: ObservationsRecord) -> Observations:
@@ -145,7 +155,7 @@ def _observations(stored: ObservationsRecord) -> Observations:
         ),
         lines=tuple(_line(line, len(stored.photos)) for line in stored.lines),
         lenses=(_facts(stored.lens),),
-    ).checked()
+    ).checked(singly=any(line.corrected_px is not None for line in stored.lines))
     origins = tuple(Origin(each.path, each.format, checksum=each.sha256) for each in stored.origins)
     return replace(observations, origins=origins, notes=stored.notes)
 
@@ -153,7 +163,13 @@ def _observations(stored: ObservationsRecord) -> Observations:
 def _line(line: LineRecord, photos: int) -> Line:
     if line.photo >= photos:
         raise DamageError(f"line {line.label} lies in photo {line.photo} of {photos}")
-    return Line(np.array(line.points_px, dtype=np.float64).reshape(-1, 2), line.photo, line.label)
+    points_px = np.array(line.points_px, dtype=np.float64).reshape(-1, 2)
+    corrected_px = None
+    if line.corrected_px is not None:
+        corrected_px = np.array(line.corrected_px, dtype=np.float64).reshape(-1, 2)
+        if len(corrected_px) != len(points_px):
+            raise DamageError(f"line {line.label} has more points than matches, or fewer")
+    return Line(points_px, line.photo, line.label, corrected_px=corrected_px)
 
 
 def _facts(facts: LensFacts) -> LensFacts:

@@ -55,7 +55,10 @@ class PhotoRecord(Struct, frozen=True, kw_only=True):
 
 
 class LineRecord(Struct, frozen=True, kw_only=True):
-    """A line's picks; `residuals_px` is null beyond the fold, `left_out` are indices of picks."""
+    """A line's picks; `residuals_px` is null beyond the fold, `left_out` are indices of picks.
+
+    `corrected_px` is where a corrected picture shows them, where they are matches.
+    """
 
     label: str
     photo: Count
@@ -63,6 +66,7 @@ class LineRecord(Struct, frozen=True, kw_only=True):
     before_px: tuple[Number, ...] | None = None
     residuals_px: tuple[Number | None, ...]
     left_out: tuple[Count, ...] = ()
+    corrected_px: tuple[Pair, ...] | None = None
 
 
 class OriginRecord(Struct, frozen=True, kw_only=True):
@@ -137,6 +141,13 @@ class StraightnessRecord(Struct, frozen=True, kw_only=True):
     largest_after_px: Number | None
 
 
+class PairRecord(Struct, frozen=True, kw_only=True):
+    """How the corrected picture of a pair shows the original."""
+
+    scale: Annotated[float, Meta(gt=0, le=LARGEST)]
+    place_px: Pair
+
+
 class ResultRecord(Head, frozen=True, kw_only=True):
     """One calibration; the names are those of `Calibration`."""
 
@@ -170,6 +181,7 @@ class ResultRecord(Head, frozen=True, kw_only=True):
     remarks: tuple[str, ...]
     command: str = ""
     lines: tuple[StraightnessRecord, ...] | None = None
+    pair: PairRecord | None = None
     observations: ObservationsRecord
 
 

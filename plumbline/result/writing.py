@@ -15,6 +15,7 @@ from plumbline._version import __version__
 from plumbline.files import RESULT
 from plumbline.frame import Array
 from plumbline.result.calibration import Calibration
+from plumbline.result.pair import PairCalibration
 from plumbline.result.records import record_text
 from plumbline.result.schema import (
     FORMAT_VERSION,
@@ -26,6 +27,7 @@ from plumbline.result.schema import (
     ObservationsRecord,
     OriginRecord,
     Pair,
+    PairRecord,
     PhotoRecord,
     ResultRecord,
     ResultsRecord,
@@ -82,6 +84,9 @@ def record_of(made: Calibration) -> ResultRecord:
         remarks=made.remarks,
         command=made.command,
         lines=tuple(_line(line) for line in made.lines),
+        pair=PairRecord(scale=made.scale, place_px=made.place_px)
+        if isinstance(made, PairCalibration)
+        else None,
         observations=_observations(made),
     )
 
@@ -172,6 +177,7 @@ def _observations(made: Calibration) -> ObservationsRecord:
                 before_px=tuple(before.tolist()),
                 residuals_px=tuple(_finite(residual) for residual in after.tolist()),
                 left_out=tuple(np.flatnonzero(~kept).tolist()),
+                corrected_px=None if line.corrected_px is None else _pairs(line.corrected_px),
             )
             for line, before, after, kept in zip(
                 observations.lines, made.before_px, made.residuals_px, made.kept, strict=True

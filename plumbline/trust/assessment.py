@@ -13,6 +13,7 @@ from plumbline.frame import Array
 from plumbline.geometry.finding import Finding, find
 from plumbline.geometry.lens import Lens
 from plumbline.observations import Observations
+from plumbline.trust.besides import Besides
 from plumbline.trust.bootstrap import Bootstrap
 from plumbline.trust.displacement import (
     Displacement,
@@ -21,9 +22,9 @@ from plumbline.trust.displacement import (
     grid_px,
     motions,
 )
+from plumbline.trust.edges import edges_of
 from plumbline.trust.jackknife import Jackknife, jackknife
 from plumbline.trust.linearised import Linearised, in_frame, linearise
-from plumbline.trust.missed import Step, is_clear, nuisance_step, steps_of
 from plumbline.trust.model_error import ModelError, model_error
 from plumbline.trust.nuisances import DECENTRING, RADIAL, Nuisances, nuisances_of
 from plumbline.trust.picked import picked_range_px, reached_share
@@ -33,12 +34,6 @@ from plumbline.trust.student import widening
 from plumbline.trust.suspect import Suspect
 
 ResidualKind = Literal["image", "corrected"]
-
-_MATTERS_PX = 0.1
-"""What less than this moves nobody can pick: chosen, as for the choice of a model."""
-
-_LIKE_OTHERS = 3.5
-"""Standard deviations within which good picks lie: chosen, one in 2,000 lies farther out."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,7 +119,12 @@ class Assessment:
     @cached_property
     def jackknife(self) -> Jackknife | None:
         """How much the result depends on each line; None where it needs one of them."""
-        return jackknife(self.linearised)
+        return jackknife(self.linearised, self.edges)
+
+    @cached_property
+    def edges(self) -> NDArray[np.int64]:
+        """The edge of each line, as the number of the first line along it, shape (l,)."""
+        return edges_of(self.lens, self.observations, self.sigma_px)
 
     @cached_property
     def model_error(self) -> ModelError | None:
@@ -153,7 +153,12 @@ class Assessment:
             return None
         k = len(self.free)
         return steadiness(
-            self.linearised, self._moved[..., :k], np.max(own), np.max(wide), self.dof
+            self.linearised,
+            self.edges,
+            self._moved[..., :k],
+            float(np.max(own)),
+            float(np.max(wide)),
+            self.dof,
         )
 
     @property
@@ -162,63 +167,19 @@ class Assessment:
         return self.steadiness is not None and self.steadiness.ratio > 1.0
 
     @cached_property
-    def steps(self) -> dict[str, tuple[Step, NDArray[np.bool_]]]:
-        """The fit with nuisances: with all of them (under ""), and with each group."""
-        steady = self.steadiness
-        widened = max(steady.ratio, 1.0) if steady is not None and steady.alarmed else 1.0
-        return steps_of(self.linearised, self.nuisances, self.dof, widened)
-
-    @cached_property
-    def centre_step(self) -> Step | None:
-        """The fit with the distortion centre free as well; None where it is free already."""
-        which = np.arange(len(self.nuisances.groups)) < len(self.nuisances.centre)
-        return nuisance_step(self.linearised, self.dof, which, 1.0) if which.any() else None
-
-    def unlike(self, group: str) -> bool:
-        """Whether the picks say clearly that the lens has such nuisances, and that they matter.
-
-        Args:
-            group: `DECENTRING` or `RADIAL`.
-        """
-        if group not in self._alone or self._moved is None:
-            return False
-        step, which = self._alone[group]
-        columns = np.concatenate((np.ones(len(self.free), dtype=np.bool_), which))
-        moved = np.einsum("nik,k->ni", self._moved[..., columns], step.change)
-        steady = self.steadiness
-        clear = steady is not None and is_clear(step, steady.dof)
-        return clear and float(np.max(np.hypot(*moved.T))) > _MATTERS_PX
-
-    def explains(self, accused: NDArray[np.bool_]) -> bool:
-        """Whether a lens with nuisances leaves accused picks where the others are.
-
-        Args:
-            accused: Which picks are called wrong under the fitted model, line after line, (n,).
-        """
-        step = self._alone[""][0] if "" in self._alone else None
-        linear, others = self.linearised, ~accused
-        if step is None or not np.all(linear.kept) or np.count_nonzero(others) <= self.dof // 2:
-            return False
-        columns = np.concatenate((linear.jacobian, linear.besides), axis=1)
-        left_px = linear.image_px + (columns * linear.in_photo[:, None]) @ step.change
-        share = self.dof / len(left_px)
-        sigma_px = float(np.sqrt(np.mean(left_px[others] ** 2) / share))
-        return bool(np.max(np.abs(left_px[accused])) < _LIKE_OTHERS * sigma_px)
-
-    @cached_property
-    def _alone(self) -> dict[str, tuple[Step, NDArray[np.bool_]]]:
-        """The steps where picks err independently: lines err as a whole under a wrong model."""
-        return steps_of(self.linearised, self.nuisances, self.dof, 1.0)
+    def besides(self) -> Besides:
+        """What the lens may do besides the fitted model, and what the picks say of that."""
+        return Besides(self.linearised, self.nuisances, self.dof, self._moved, self.steadiness)
 
     @cached_property
     def quoted(self) -> Quoted | None:
         """The error to quote; None where the model folds within the range of the picks."""
         moved, k = self._moved, len(self.free)
-        if moved is None or "" not in self.steps:
+        if moved is None or "" not in self.besides.steps:
             return None
         missed = {
             name: step.missed_px(moved[..., np.concatenate((np.ones(k, dtype=np.bool_), which))])
-            for name, (step, which) in self.steps.items()
+            for name, (step, which) in self.besides.steps.items()
         }
         picks_px = self._picks_px(moved)
         total_px = np.hypot(picks_px, missed[""])
@@ -272,7 +233,9 @@ class Assessment:
 
     def _worst_px(self, moved: Array) -> float:
         """The largest error to quote of points that move so."""
-        return float(np.max(np.hypot(self._picks_px(moved), self.steps[""][0].missed_px(moved))))
+        return float(
+            np.max(np.hypot(self._picks_px(moved), self.besides.steps[""][0].missed_px(moved)))
+        )
 
     @cached_property
     def bootstrap_displacement(self) -> Displacement | None:

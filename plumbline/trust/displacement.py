@@ -25,8 +25,11 @@ from plumbline.trust.nuisances import Nuisances
 from plumbline.wording import listed
 
 _GRID = 9
+"""Points along a side: chosen, corners and edges among them."""
 _ALIKE = 0.01
+"""Errors within one percent are equally bad: chosen."""
 _CORNERS = 4
+"""A photo has four."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,7 +26,7 @@ class Jackknife:
         covariance: Of the free coefficients, shape (k, k).
         shifts: Change of the coefficients without each line, shape (l, k); lines of which no pick
             was kept are not among them.
-        lines: Which lines were left out, shape (l,).
+        lines: The first line of each edge that was left out, shape (l,).
     """
 
     covariance: Array
@@ -35,23 +35,30 @@ class Jackknife:
 
     @property
     def dof(self) -> int:
-        """Degrees of freedom: lines − 1."""
+        """Degrees of freedom: edges − 1."""
         return len(self.lines) - 1
 
 
-def jackknife(linear: Linearised) -> Jackknife | None:
-    """Leave one line out after the other, in one Gauss–Newton step each.
+def jackknife(linear: Linearised, edges: NDArray[np.int64] | None = None) -> Jackknife | None:
+    """Leave one edge out after the other, in one Gauss–Newton step each.
+
+    Args:
+        linear: The fit, linearised.
+        edges: The edge of each line, as the number of its first line, (l,); each line is one by
+            default.
 
     Returns:
-        None if some line is needed to determine the coefficients at all.
+        None if some edge is needed to determine the coefficients at all.
     """
-    shifts = linear.without_each_line()
+    edges = np.arange(linear.n_lines) if edges is None else edges
+    shifts = linear.without_each_line(edges)
     if shifts is None:
         return None
-    used = np.flatnonzero(np.bincount(linear.line[linear.kept], minlength=linear.n_lines) >= 3)
+    kept = np.bincount(edges[linear.line[linear.kept]], minlength=linear.n_lines)[np.unique(edges)]
+    used = np.flatnonzero(kept >= 3)
     if len(used) < 2:
         return None
     shifts = shifts[used]
     away = shifts - shifts.mean(axis=0)
     share = (len(used) - 1) / len(used)
-    return Jackknife(share * away.T @ away, shifts, used)
+    return Jackknife(share * away.T @ away, shifts, np.unique(edges)[used])

@@ -23,6 +23,7 @@ from plumbline.observations import Observations
 from plumbline.trust.nuisances import Nuisances
 
 _SINGULAR = 1e-12
+"""Smallest eigenvalue of a balanced normal matrix that is not rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,8 +107,12 @@ class Linearised:
     def _starts(self) -> NDArray[np.int64]:
         return np.searchsorted(self.line, np.arange(self.n_lines))
 
-    def without_each_line(self) -> Array | None:
+    def without_each_line(self, edges: NDArray[np.int64] | None = None) -> Array | None:
         """How the coefficients would change with one line left out, shape (l, k).
+
+        Args:
+            edges: Lines to leave out together, a label for each, shape (l,); then the result
+                holds one row for each label, in rising order. Each by itself by default.
 
         One Gauss–Newton step from the fit, (N − N_l)⁻¹ g_l with N = JᵀJ and g = Jᵀr.
 
@@ -115,11 +120,12 @@ class Linearised:
             None if there is a line without which the others do not determine the coefficients.
         """
         pulls = self._weighted * np.where(self.kept, self.residual_px, 0.0)[:, None]
-        normals = self.line_normals
-        gradients = np.add.reduceat(pulls, self._starts)
+        normals, gradients = self.line_normals, np.add.reduceat(pulls, self._starts)
+        if edges is not None:
+            normals, gradients = grouped(normals, edges), grouped(gradients, edges)
         rest = normals.sum(axis=0) - normals
         scale = np.sqrt(np.maximum(np.einsum("lii->li", rest), 0.0))
-        if self.n_lines < 2 or np.any(scale <= 0):
+        if len(rest) < 2 or np.any(scale <= 0):
             return None
         balanced = rest / (scale[:, :, None] * scale[:, None, :])
         if np.min(np.linalg.eigvalsh(balanced)) < _SINGULAR:
@@ -130,6 +136,14 @@ class Linearised:
         """Residuals that kept picks would have, had their line not taken part, shape (n,)."""
         moved = np.einsum("nk,nk->n", self.jacobian, shifts[self.line])
         return np.where(self.kept, self.residual_px + moved, 0.0)
+
+
+def grouped(values: Array, labels: NDArray[np.int64]) -> Array:
+    """Sums of values of shape (l, …) over equal labels, in rising order of the labels."""
+    number, which = np.unique(labels, return_inverse=True)
+    sums = np.zeros((len(number), *values.shape[1:]))
+    np.add.at(sums, which.ravel(), values)
+    return sums
 
 
 def in_frame(observations: Observations, frame: Frame) -> list[Array]:

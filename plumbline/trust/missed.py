@@ -124,7 +124,7 @@ def nuisance_step(
     alone = _inverse(normal[:k, :k])
     if alone is None or not np.all(np.isfinite(normal)):
         return None
-    # What the free coefficients alone could still take up is no news: they are at their minimum.
+    # What the free coefficients could still take up does not count: they are at their minimum.
     pull = design.T @ (residual_px - own @ (alone @ (own.T @ residual_px)))
     prior = np.diag(np.concatenate((np.zeros(k), np.ones(normal.shape[0] - k))))
     square = float(residual_px @ residual_px)

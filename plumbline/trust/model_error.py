@@ -14,8 +14,10 @@ from plumbline.frame import Array
 from plumbline.geometry.lens import Lens
 from plumbline.trust.displacement import grid_px, motions
 from plumbline.trust.linearised import Linearised
+from plumbline.wording import joined, power_of
 
 _SINGULAR = 1e-12
+"""As for `Linearised.without_each_line`."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +61,7 @@ def model_error(
     worst = int(np.argmax(size))
     effect = moved[worst] @ unit[:, k:] @ np.linalg.inv(unit[k:, k:])
     variance = np.trace(effect @ (sigma_px**2 * unit[k:, k:]) @ effect.T)
-    added = " and ".join(f"r^{power}" for power in powers)
+    added = joined([power_of("r", power) for power in powers])
     return ModelError(float(size[worst]), float(np.sqrt(variance)), added)
 
 

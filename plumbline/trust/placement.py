@@ -18,14 +18,23 @@ from plumbline.trust.check import Check
 from plumbline.wording import count, joined, listed
 
 _NEAR_EDGE = 0.6
+"""Share of the way to the edge: the rule of LensFun's profile makers says near; chosen."""
 _THIRD = 0.15, 0.5
+"""Shares of the way that count as a third: chosen."""
 _LONG = 0.35
+"""Parts of the shorter side: chosen; shorter lines bend by a fifth of what full ones do."""
 _EXTRAPOLATED = 0.1
+"""Share of the photo that may lie beyond the picks: chosen."""
 _AT_CORNER = 0.7
+"""Share of both half sides from which a pick is near a corner: chosen."""
 _LEAST_BEND = 0.02
+"""Percent of half the shorter side that a 1 % change must bend a line by: chosen."""
 _FEW_DOF = 6
+"""Degrees of freedom below which σ̂ is uncertain by more than 30 %: 1/√(2 · 6)."""
 _HARDLY_ANY_DOF = 2
+"""The same by half and more."""
 _GRID = 41
+"""Points along a side for the share of the photo: chosen, to a percent or two."""
 _CORNERS = "top left", "top right", "bottom right", "bottom left"
 
 

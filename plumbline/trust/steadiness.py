@@ -12,10 +12,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from plumbline.frame import Array
 from plumbline.trust.displacement import errors_of
-from plumbline.trust.linearised import Linearised
+from plumbline.trust.linearised import Linearised, grouped
 from plumbline.trust.student import widening
 
 _DRAWS = 400
@@ -78,18 +79,25 @@ class Steadiness:
 
 
 def steadiness(
-    linear: Linearised, moved: Array, own_px: float, left_out_px: float, dof: int
+    linear: Linearised,
+    edges: NDArray[np.int64],
+    moved: Array,
+    own_px: float,
+    left_out_px: float,
+    dof: int,
 ) -> Steadiness:
     """Compare the jackknife's error with what it would be by chance.
 
     Args:
         linear: The fit, linearised.
+        edges: The edge of each line, see `edges_of`.
         moved: How points of the photo move with the coefficients, see `motions`, (n, 2, k).
         own_px: The largest error for independent picking errors.
         left_out_px: The jackknife's.
         dof: Degrees of freedom of σ̂.
     """
-    used = linear.line_normals[np.bincount(linear.line[linear.kept], minlength=linear.n_lines) >= 3]
+    used = grouped(linear.line_normals, edges)
+    used = used[np.einsum("lii->l", used) > 0]
     if len(used) > _MANY_LINES:
         return Steadiness(own_px, left_out_px, _LEAST, len(used) - 1)
     variances, ratios = _drawn(used, moved, dof)

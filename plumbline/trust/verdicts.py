@@ -15,7 +15,7 @@ from plumbline.trust.next_line import next_line
 from plumbline.trust.nuisances import DECENTRING, RADIAL
 from plumbline.trust.straightness import straightness_before
 from plumbline.trust.suspect import Suspect
-from plumbline.wording import count, listed, px
+from plumbline.wording import count, joined, listed, px, signed
 
 _CONDITION = 300.0
 """Condition number of the balanced Jacobian from which on coefficients can hardly be told apart:
@@ -50,6 +50,7 @@ def after_fit(trust: Assessment) -> tuple[Check, ...]:
         _model(trust),
         centre_check(trust),
         _worse_lines(trust),
+        _same_edges(trust),
         suspects_check(trust.suspects, trust.observations.n_points, robust=trust.robust),
     )
     return tuple(check for check in found if check is not None)
@@ -115,7 +116,7 @@ def _steady(trust: Assessment) -> Check | None:
     )
     if not steady.alarmed:
         return Check("line by line", True, told)
-    if trust.unlike(RADIAL) or trust.unlike(DECENTRING):
+    if trust.besides.unlike(RADIAL) or trust.besides.unlike(DECENTRING):
         return Check("line by line", True, f"{told}; the model is the likelier reason", "", True)
     remedy = "edges are not quite straight, or few lines carry the result; the error to quote knows"
     return Check("line by line", False, told, remedy)
@@ -130,7 +131,7 @@ def _model(trust: Assessment) -> Check | None:
         f"{px(more.largest_px)} (± {px(more.error_px)})"
     )
     alone = more.largest_px > max(_SIGNIFICANT * more.error_px, _MATTERS_PX)
-    if alone or trust.unlike(RADIAL):
+    if alone or trust.besides.unlike(RADIAL):
         return Check(
             "model",
             False,
@@ -149,15 +150,15 @@ def centre_check(trust: Assessment) -> Check | None:
     held = trust.nuisances.centre
     if len(held) < len(CENTRE):
         return None
-    step = trust.centre_step
-    if step is None or not trust.unlike(DECENTRING):
+    step = trust.besides.centre_step
+    if step is None or not trust.besides.unlike(DECENTRING):
         return Check("centre", True, "the picks do not contradict the distortion centre")
     spread = trust.nuisances.spreads[: len(held)]
     k = step.n_free
     shifts = step.change[k:] * spread
     errors = np.sqrt(np.diag(step.covariance)[k:]) * spread
     where = ", ".join(
-        f"{name} = {trust.lens.coefficients[name] + shift:+.1f} ± {error:.1f} px"
+        f"{name} = {signed(trust.lens.coefficients[name] + shift)} ± {error:.1f} px"
         for name, shift, error in zip(held, shifts.tolist(), errors.tolist(), strict=True)
     )
     remedy = f"free it: --free {','.join((*trust.free, *held))}"
@@ -188,6 +189,25 @@ def _worse_lines(trust: Assessment) -> Check | None:
         False,
         f"the correction makes {count(len(labels), 'line')} less straight: {told}",
         "look whether their picks lie on one edge each, and compare the models",
+    )
+
+
+def _same_edges(trust: Assessment) -> Check | None:
+    """Lines that run along one edge."""
+    first, times = np.unique(trust.edges, return_counts=True)
+    if not np.any(times > 1):
+        return None
+    labels = [line.label for line in trust.observations.lines]
+    told = [
+        joined([labels[line] for line in np.flatnonzero(trust.edges == edge).tolist()])
+        for edge in first[times > 1].tolist()
+    ]
+    return Check(
+        "edges",
+        True,
+        f"picked more than once along one edge: lines {listed(told)}; their picks count as further "
+        "measurements, and the jackknife leaves them out together",
+        doubtful=True,
     )
 
 

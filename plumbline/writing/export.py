@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from plumbline.files import sealed
 from plumbline.frame import Frame
 from plumbline.geometry.lens import Lens
 from plumbline.lenses.stored import StoredLens
@@ -50,7 +51,7 @@ def export(stored: StoredLens, name: str) -> Exported:
     lens = square.lens
     centred = not any(lens.coefficients[each] for each in ("d", "e"))
     if lens.model.name in target.models and (target.centre or centred):
-        content = target.write(square)
+        content = sealed(target.write(square))
         return Exported(content, None, lens.model.label, (*notes, *_notes(square, name)))
     focal_px = square.facts.focal_length_px(lens.frame) or lens.focal_px
     model = get_model(target.models[0])
@@ -63,7 +64,7 @@ def export(stored: StoredLens, name: str) -> Exported:
         notes.append(f"{name} holds no distortion centre: the lens was refitted without")
     rewritten = replace(square, lens=found.lens, homography=found.homography)
     notes += _notes(rewritten, name)
-    return Exported(target.write(rewritten), found.deviation_px, model.label, tuple(notes))
+    return Exported(sealed(target.write(rewritten)), found.deviation_px, model.label, tuple(notes))
 
 
 def _squared(stored: StoredLens, notes: list[str]) -> StoredLens:

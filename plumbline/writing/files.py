@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from plumbline.errors import OptionError
-from plumbline.files import RESULT, ZOOM, read_bytes
+from plumbline.files import RESULT, ZOOM, read_bytes, refuse_to_clobber, write_atomically
 from plumbline.formats.base import Source
 from plumbline.formats.known import FORMATS
 from plumbline.lenses.stored import StoredLens
@@ -119,3 +119,38 @@ def _with_facts(stored: StoredLens, facts: Mapping[str, Any]) -> dict[str, Any]:
     if observations is not None:
         observations = replace(observations, lenses=(known,))
     return {"facts": known, "observations": observations}
+
+
+def write_export(
+    result: str | Path,
+    to: str,
+    path: str | Path | None = None,
+    *,
+    image: int | None = None,
+    force: bool = False,
+    overwrite: bool = False,
+    **facts: Any,
+) -> ExportedFile:
+    """Write a calibrated lens for another program.
+
+    Args:
+        result: A result JSON, a project with lens values or a Hugin lens file.
+        to: What to write, as `plumbline export --to` names it.
+        path: Where to; beside the result by default.
+        image: Which of several lenses of the file, counted from 0.
+        force: Write even if a refitted lens deviates by more than 0.1 px.
+        overwrite: Replace a file that plumbline did not write.
+        facts: Facts about the lens, by the names of `LensFacts`.
+
+    Returns:
+        What was written and where, with the deviation of a refitted lens and notes.
+
+    Raises:
+        PlumblineError: the result is damaged, the target cannot hold its lens, or the file
+            cannot be written.
+    """
+    place = None if path is None else Path(path)
+    exported = export_file(str(result), to, place, image, facts, force=force)
+    refuse_to_clobber(exported.path, [str(result)], overwrite=overwrite)
+    write_atomically({exported.path: exported.content})
+    return exported

@@ -5,13 +5,21 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from plumbline.errors import OptionError, UnsupportedModelError
-from plumbline.files import refuse_to_clobber, refuse_unknown_suffix, write_atomically
+from plumbline.errors import OptionError, UnsupportedModelError, WriteError
+from plumbline.files import (
+    MARK,
+    read_bytes,
+    refuse_to_clobber,
+    refuse_unknown_suffix,
+    sealed,
+    write_atomically,
+)
 from plumbline.formats.known import suffixes
 from plumbline.formats.panotools.pto_writing import new_project, rewritten
 from plumbline.observations import Observations, Origin
 from plumbline.result.calibration import Calibration, refuse_unsettled
 from plumbline.result.writing import to_json
+from plumbline.wording import count
 from plumbline.writing.lensfun import lensfun_bytes
 
 RESULT_SUFFIXES = tuple(suffixes("results"))
@@ -60,7 +68,39 @@ def result_bytes(
     refuse_to_clobber(target, inputs, overwrite=overwrite)
     if suffix != ".json":
         refuse_unsettled(calibrations)
-    return _WRITERS[suffixes("results")[suffix].name](calibrations)
+    content = sealed(_WRITERS[suffixes("results")[suffix].name](calibrations))
+    if suffix == ".pto" and not overwrite:
+        _refuse_edited(target, content)
+    return content
+
+
+def _refuse_edited(target: Path, content: bytes) -> None:
+    """Refuse to replace a fitted project that someone edited since.
+
+    A project that was read is written back byte for byte, so that no seal tells it. Lines of the
+    old file that the new one lacks are edits, but for picks and for what they are fitted with,
+    which change in the project that was read.
+    """
+    if not target.is_file() or _is_new(content):
+        return
+    old, new = (_lines_of(each) for each in (read_bytes(target), content))
+    lost = [line for line in old if line not in set(new)]
+    if lost:
+        raise WriteError(
+            f"this file was edited since plumbline wrote it: {count(len(lost), 'line')} would be "
+            f"lost, the first {lost[0].decode(errors='replace')[:60]!r}",
+            path=target,
+            hint="choose another name with -o, or replace it with --overwrite",
+        )
+
+
+def _is_new(content: bytes) -> bool:
+    return MARK.encode() in content[:1024]
+
+
+def _lines_of(content: bytes) -> list[bytes]:
+    """Lines of a project that a fit leaves alone: neither images nor picks nor variables."""
+    return [line for line in content.splitlines() if line.strip() and line[:1] not in b"icv"]
 
 
 def write_points(observations: Observations, path: str | Path, *, overwrite: bool = False) -> Path:
@@ -88,8 +128,10 @@ def points_bytes(observations: Observations, target: Path, *, overwrite: bool = 
         PlumblineError: as `write_points`.
     """
     refuse_unknown_suffix(target, POINT_SUFFIXES, "points")
-    refuse_to_clobber(target, _inputs(observations), overwrite=overwrite)
-    return suffixes("points")[target.suffix.lower()].write(observations)
+    content = sealed(suffixes("points")[target.suffix.lower()].write(observations))
+    same = target.is_file() and read_bytes(target) == content
+    refuse_to_clobber(target, _inputs(observations), overwrite=overwrite or same)
+    return content
 
 
 def resampling_notes(observations: Observations) -> list[str]:

@@ -155,4 +155,4 @@ _TARGETS = {
     "opencv": Target(("opencv",), True, _opencv),
 }
 TARGETS = {name: _TARGETS[name] for name in written("lens")}
-"""What `export` writes; `stmap` and `json` are no lenses in other words and stand apart."""
+"""What `export` writes; `stmap` and `json` are not lenses in other words and stand apart."""

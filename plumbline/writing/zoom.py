@@ -11,7 +11,16 @@ import numpy as np
 
 from plumbline._version import __version__
 from plumbline.errors import UnsupportedModelError
-from plumbline.files import MARK, RESULT, ZOOM, read_bytes, refuse_unknown_suffix
+from plumbline.files import (
+    MARK,
+    RESULT,
+    ZOOM,
+    read_bytes,
+    refuse_to_clobber,
+    refuse_unknown_suffix,
+    sealed,
+    write_atomically,
+)
 from plumbline.formats.base import Source
 from plumbline.formats.lens_files.lenses_txt import lenses_txt
 from plumbline.formats.lens_files.lensfun import MODELS, Distortion, LensfunLens, lensfun_xml
@@ -32,7 +41,10 @@ _BETWEEN = 8
 
 
 def read_zoom_lens(
-    paths: Sequence[str], method: Method, degree: int, labels: Mapping[str, Any]
+    paths: Sequence[str],
+    method: Method = "hermite",
+    degree: int = 3,
+    labels: Mapping[str, Any] | None = None,
 ) -> ZoomLens:
     """Join the calibrations of result files.
 
@@ -40,7 +52,7 @@ def read_zoom_lens(
         paths: The files.
         method: How coefficients run over focal length.
         degree: Of the polynomial.
-        labels: Facts about the lens that the user gives; None where not.
+        labels: Facts about the lens that the user gives, by the names of `LensFacts`.
 
     Raises:
         PlumblineError: a file is damaged, or the calibrations do not belong together.
@@ -60,7 +72,7 @@ def read_zoom_lens(
         calibrations += [(path, made) for made in consistent_results(source.text(), path)]
     refuse_unsettled([made for _, made in calibrations])
     lens = join(calibrations, method, degree)
-    given = {name: value for name, value in labels.items() if value is not None}
+    given = {name: value for name, value in (labels or {}).items() if value is not None}
     return replace(lens, facts=replace(lens.facts, **given))
 
 
@@ -91,11 +103,11 @@ def zoom_bytes(lens: ZoomLens, target: Path) -> tuple[bytes, list[str]]:
                 f"LensFun holds one distortion centre for all focal lengths: the mean was written, "
                 f"up to {apart_px:.1f} px from those of single focal lengths"
             )
-        return lensfun_xml(_head(lens, centre), entries), notes
+        return sealed(lensfun_xml(_head(lens, centre), entries)), notes
     if any(np.any(node.values[-2:]) for node in lens.nodes):
         notes.append("lenses.txt holds no distortion centre: it was left out")
     rows = [(entry.focal_mm, list(entry.coefficients.values())) for entry in entries]
-    return lenses_txt(_head(lens), rows, f"{MARK} {__version__}"), notes
+    return sealed(lenses_txt(_head(lens), rows, f"{MARK} {__version__}")), notes
 
 
 def _head(lens: ZoomLens, centre: tuple[float, float] = (0.0, 0.0)) -> LensfunLens:
@@ -144,3 +156,22 @@ def _centre(lens: ZoomLens) -> tuple[tuple[float, float], float]:
     radius_px = Frame(*lens.size, lens.pixel_aspect).radius_px
     apart = float(np.max(np.hypot(*(centres - mean).T))) * radius_px
     return (float(mean[0]), float(mean[1])), apart
+
+
+def write_zoom(lens: ZoomLens, path: str | Path, *, overwrite: bool = False) -> Path:
+    """Write a zoom lens; the format follows the suffix: `.json`, `.xml` or `.txt`.
+
+    Args:
+        lens: The lens, from `read_zoom_lens`.
+        path: Where to.
+        overwrite: Replace a file that plumbline did not write.
+
+    Raises:
+        WriteError: the file exists and is not plumbline's, or its suffix stands for no format.
+        OptionError: the format needs what is not known, or cannot hold the model.
+    """
+    target = Path(path)
+    content, _ = zoom_bytes(lens, target)
+    refuse_to_clobber(target, (), overwrite=overwrite)
+    write_atomically({target: content})
+    return target

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import plumbline
-from plumbline.boards.array import brightness
 from plumbline.boards.find import look_for_boards
 from plumbline.errors import OptionError
+from plumbline.photos.brightness import brightness
 from tests.boards.judging import judged
 from tests.render import board as render
 from tests.render.optics import Pose, View

@@ -172,8 +172,9 @@ def test_pixels_that_are_not_square_are_told(run: Run) -> None:
 
 def test_quiet_prints_the_finding_and_the_files(run: Run) -> None:
     done = run("fit", pto(), "-q")
-    first, *notes, pto_line, xml_line = done.out.splitlines()
+    first, quote, *notes, pto_line, xml_line = done.out.splitlines()
     assert first.startswith("Barrel distortion")
+    assert quote.startswith("quote ±")
     assert [pto_line, xml_line] == ["Wrote building.fit.pto", "Wrote building.fit.xml"]
     assert all("not known" in note or "named after" in note for note in notes)
 
@@ -240,7 +241,7 @@ def test_the_input_is_never_overwritten(run: Run) -> None:
     [
         ("none/x.pto", "none/x.pto: the folder does not exist"),
         ("building.pto/x.pto", "building.pto/x.pto: the file cannot be written: Not a directory"),
-        ("folder.pto", "folder.pto: this is no regular file"),
+        ("folder.pto", "folder.pto: this is not a regular file"),
         ("x" * 300 + ".pto", "the file cannot be written: File name too long"),
     ],
 )
@@ -505,8 +506,8 @@ def test_a_missing_file(run: Run) -> None:
             (),
             "bad.pto, row 4: the point (3, -1)",
         ),
-        (image(a="nan") + points(grid()), (), "bad.pto, row 1: 'nan' is no finite number"),
-        (image(v="inf") + points(grid()), (), "bad.pto, row 1: 'inf' is no finite number"),
+        (image(a="nan") + points(grid()), (), "bad.pto, row 1: 'nan' is not a finite number"),
+        (image(v="inf") + points(grid()), (), "bad.pto, row 1: 'inf' is not a finite number"),
         (image(b="x") + points(grid()), (), "bad.pto, row 1: 'x' stands where the value of b"),
         (
             image() + "c n0 N0 x1 y1 X2 Yz t3\n",
@@ -805,7 +806,7 @@ def test_one_error_as_a_process(tmp_path: Path) -> None:
         {"PYTHONIOENCODING": "ascii"},
         {"PLUMBLINE_CACHE_DIR": os.devnull},
     ],
-    ids=["LANG=C", "ascii", "cache is no folder"],
+    ids=["LANG=C", "ascii", "cache is not a folder"],
 )
 def test_poor_surroundings(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, environment: dict[str, str]

@@ -259,9 +259,8 @@ def roi(points: Points) -> bytes:
     x, y = ([p[axis] for p in points] for axis in (0, 1))
     n = len(points)
     left, top = int(min(x)), int(min(y))
-    head = struct.pack(
-        ">4shBBhhhhH32xhh12x", b"Iout", 228, 5, 0, top, left, int(max(y)) + 1, int(max(x)) + 1, n, 0, 128
-    )  # fmt: skip
+    box = (top, left, int(max(y)) + 1, int(max(x)) + 1)
+    head = struct.pack(">4shBBhhhhH30xhh12x", b"Iout", 228, 5, 0, *box, n, 0, 128)
     whole = [int(v) - left for v in x] + [int(v) - top for v in y]
     return head + struct.pack(f">{2 * n}h{2 * n}f64x", *whole, *x, *y)
 
@@ -280,10 +279,9 @@ def webplotdigitizer(lines: Lines, kind: Kind) -> bytes | None:
     if kind != "lines":
         return None
     shifted = _shifted(lines)
-    rows: list[list[object]] = [
-        [cell for label in shifted for cell in (label, "")],
-        ["X", "Y"] * len(shifted),
-    ]
+    names: list[object] = [cell for label in shifted for cell in (label, "")]
+    axes: list[object] = ["X", "Y"] * len(shifted)
+    rows = [names, axes]
     for i in range(max(map(len, shifted.values()))):
         rows.append([n for p in shifted.values() for n in (p[i] if i < len(p) else ("", ""))])
     return _table(rows)
@@ -292,7 +290,7 @@ def webplotdigitizer(lines: Lines, kind: Kind) -> bytes | None:
 def napari(lines: Lines, kind: Kind) -> bytes | None:
     if kind != "lines":
         return None
-    rows: list[list[object]] = [["index", "shape-type", "vertex-index", "axis-0", "axis-1"]]
+    rows: list[Sequence[object]] = [["index", "shape-type", "vertex-index", "axis-0", "axis-1"]]
     for i, points in enumerate(lines.values()):
         rows += [[float(i), "path", float(v), y, x] for v, (x, y) in enumerate(points)]
     return _table(rows)

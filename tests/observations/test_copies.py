@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -48,11 +49,11 @@ def test_whole_copies_are_named_and_left_out(again: list[int], rng: random.Rando
     shuffled = [LINES[i][rng.sample(range(9), 9)] for i in every]
     observations = of(*shuffled)
     assert points(observations) == ONCE
-    assert len(observations.notes) == len(set(again))
+    assert len(observations.notes) == min(len(again), 1)
     told = " ".join(observations.notes)
     firsts = {every.index(i) for i in range(4)}
     for place in set(range(len(every))) - firsts:
-        assert str(place + 1) in told.replace(",", "").split()
+        assert str(place + 1) in re.findall(r"\d+", told)
 
 
 @pytest.mark.parametrize("part_first", [True, False])
@@ -67,7 +68,9 @@ def test_a_part_of_a_longer_line_is_a_copy(taken: slice, part_first: bool) -> No
 def test_lines_that_overlap_share_their_picks_once() -> None:
     observations = of(LINES[0][:6], LINES[0][4:], *LINES[1:])
     assert observations.n_points == 9 * 4
-    assert observations.notes == ("line 2 repeats 2 picks of line 1, which count once",)
+    assert observations.notes == (
+        "line 2 repeats 2 picks of line 1: what two lines share counts once",
+    )
     observations = of(LINES[0][:6], LINES[0][2:8], *LINES[1:])
     assert "line 2 repeats line 1" in observations.notes[0]
     assert observations.n_points == 9 * 3 + 6
@@ -93,9 +96,7 @@ def test_a_copy_in_another_photo_of_the_lens() -> None:
     photos = (Photo(SIZE, "a.jpg"), Photo(SIZE, "b.jpg"))
     both = Observations(photos, (*lines, moved, partly, copied)).counted_once()
     assert [line.label for line in both.lines] == ["l0", "l1", "l2", "l3", "own", "partly"]
-    assert both.notes == (
-        "line copied of b.jpg repeats line l3 of a.jpg: copies are no evidence and count once",
-    )
+    assert both.notes == ("line copied of b.jpg repeats line l3 of a.jpg: the copy counts once",)
     other_lens = replace(
         both, photos=(photos[0], replace(photos[1], lens=1)), lenses=(LensFacts(), LensFacts())
     )

@@ -68,7 +68,7 @@ def test_numbers_of_numpy_become_plain_ones() -> None:
 
 @pytest.mark.parametrize("size", [(400, 300, 3), (400,), ()])
 def test_a_size_is_two_numbers(size: Any) -> None:
-    with pytest.raises(OptionError, match="is no width and height") as caught:
+    with pytest.raises(OptionError, match="is not a width and a height") as caught:
         Observations.from_arrays([EDGE], size)
     assert caught.value.hint
 
@@ -91,7 +91,7 @@ def test_other_shapes_are_refused(values: Any) -> None:
 
 @pytest.mark.parametrize("bad", [float("nan"), float("inf"), float("-inf")])
 def test_numbers_that_are_none_are_refused(bad: float) -> None:
-    with pytest.raises(OptionError, match="line 1 is no finite number"):
+    with pytest.raises(OptionError, match="line 1 is not a finite number"):
         Observations.from_arrays([[*EDGE, [5.0, bad]]], SIZE)
 
 

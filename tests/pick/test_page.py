@@ -73,31 +73,57 @@ def coefficients(server: Served) -> dict[str, float]:
     return {each["name"]: each["value"] for each in server.state()["fit"]["coefficients"]}
 
 
-@pytest.mark.parametrize(("ratio", "notches"), [(1, 0), (2, 4)], ids=["whole", "zoomed, dense"])
+@pytest.mark.parametrize(
+    ("ratio", "notches", "scatter_px"),
+    [(1, 0, 1.0), (2, 4, 2.0)],
+    ids=["whole", "zoomed, dense"],
+)
 def test_two_clicks_a_line_end_in_the_right_lens(
-    ratio: int, notches: int, browser: Browser, photo: Path
+    ratio: int, notches: int, scatter_px: float, browser: Browser, photo: Path
 ) -> None:
     with served(photo) as server:
         driven = Driven(browser, server, device_scale_factor=ratio)
-        wanted = edges(2.0)
+        driven.press("p")  # without what is proposed
+        wanted = edges(scatter_px)
         while wanted:
             ends = wanted.pop(0)
             for end in ends:  # zooming between the two clicks of a line
-                driven.zoom_to(end, notches)
+                if notches:
+                    driven.zoom_to(end, notches)
                 driven.click(end)
-                driven.press("0")
+                if notches:
+                    driven.press("0")
             if driven.page.locator("#reason").is_visible():  # it says why: try again later
                 driven.press("Escape")
                 wanted.append(ends)
         assert driven.clicks <= 30
         assert driven.lines() == 14
         assert off_truth_px(coefficients(server)) < WITHIN_PX
-        driven.press("Control+s")
+        driven.page.keyboard.press("Control+s")
         driven.page.wait_for_selector("#sheet code", timeout=180_000)
         written = {Path(each).name for each in driven.page.locator("#sheet code").all_inner_texts()}
         assert {"facade.fit.pto", "facade.fit.xml", "facade.fit.html"} <= written
         assert all((photo.parent / name).stat().st_size for name in written)
         assert driven.complaints == []
+
+
+def test_proposals_are_taken_at_a_key(browser: Browser, photo: Path) -> None:
+    with served(photo) as server:
+        driven = Driven(browser, server)
+        proposals: list[Any] = []
+        while not proposals:  # the test's own limit ends it
+            driven.page.wait_for_timeout(200)
+            proposals = server.state()["proposals"]
+        assert len(proposals) >= 8
+        middle = proposals[0]["points"][len(proposals[0]["points"]) // 2]
+        driven.click((middle[0], middle[1]))
+        assert driven.lines() == 1
+        driven.press("Control+Enter")
+        assert driven.lines() == len(proposals)
+        assert off_truth_px(coefficients(server)) < WITHIN_PX
+        driven.press("Control+z", "Control+z")
+        assert driven.lines() == 0
+        assert len(server.state()["proposals"]) == len(proposals)
 
 
 def free_line(driven: Driven, points: list[Point]) -> None:

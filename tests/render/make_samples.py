@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from . import optics, painting, photo, picks, writers
+from . import make_others, optics, painting, photo, picks, writers
 from .optics import Array, Pose, View
 from .scene import Facade
 
@@ -153,6 +153,7 @@ def texts() -> dict[str, str]:
         ),
         "zoom/zoom.pto": writers.hugin(zoom),
         "zoom/expected.json": expected(["fit", "zoom.pto"], "zoom", {"lenses": lenses}),
+        **make_others.texts(),
     }
 
 
@@ -166,6 +167,7 @@ def main(target: Path = TARGET) -> None:
         for each in exposures:
             picture = photo.take(each.view, painting.paint(each.facade), each.seed)
             photo.save(picture, each.view, target / folder / each.name, each.taken)
+    make_others.pictures(target)
 
 
 if __name__ == "__main__":

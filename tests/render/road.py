@@ -22,7 +22,17 @@ from .scene import Picture, clouds
 
 TARGET = Path(__file__).resolve().parents[2] / "sample_projects" / "road"
 
-VIEW = View(optics.G15_6, Pose(0.35, 1.58, 0.0, yaw=2.0, pitch=-9.0, roll=0.7), 2048, 1536)
+
+class RoadView(View):
+    """A view whose focal length is that of the observed picture at its centre, as EXIF means it."""
+
+    @property
+    def focal_px(self) -> float:
+        """The ideal picture's, smaller by the gauge of the a, b, c formula."""
+        return super().focal_px / float(self.lens.stretch(np.zeros(1))[0])
+
+
+VIEW = RoadView(optics.G15_6, Pose(0.35, 1.58, 0.0, yaw=2.0, pitch=-9.0, roll=0.7), 2048, 1536)
 UNEVEN_M, PICK_PX, SURVEY_M, TAPE_M = 0.015, 0.5, 0.01, 0.005
 CROSSES = {
     "A": (-1.60, 3.20), "B": (1.70, 3.40), "C": (3.00, 11.00), "D": (-2.90, 10.60),
@@ -176,11 +186,10 @@ def texts() -> dict[str, str]:
     skid = seen(road, np.array(list(SKID.values()))) + rng.normal(0, PICK_PX, (2, 2))
     marks = [f"{u:.1f},{v:.1f},{name}" for (u, v), name in zip(skid, SKID, strict=True)]
     world = (AERIAL_M, 0, 0, -AERIAL_M, AERIAL_LEFT, AERIAL_TOP)
+    four = [f"{u:.1f},{v:.1f},{name}" for (u, v), name in zip(picks[:4], names, strict=False)]
     return {
         "points.csv": _table("x,y,X,Y,name", points),
-        "picks.csv": _table(
-            "x,y,name", [f"{u:.1f},{v:.1f},{n}" for (u, v), n in zip(picks[:4], names)]
-        ),
+        "picks.csv": _table("x,y,name", four),
         "tapes.csv": _table("from,to,metres", taped),
         "edges.csv": _table("line,x,y", edges),
         "marks.csv": _table("x,y,name", marks),

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from plumbline.report.page.document import Part, page_bytes
+from plumbline.report.page.document import Assignment, Part, page_bytes
 from plumbline.report.photos import find_photos
 from tests.report.made import building, hostile
 
@@ -50,7 +50,7 @@ def page(tmp_path: Path) -> Path:
     made = [building(), hostile()]
     parts = [Part(m, f) for m, f in zip(made, find_photos(made, None), strict=True)]
     path = tmp_path / "building.html"
-    path.write_bytes(page_bytes(parts))
+    path.write_bytes(page_bytes(parts, Assignment()))
     return path
 
 

@@ -22,10 +22,10 @@ def seen(ends: Array, n: int = 9) -> Array:
     return LENS.distort(first + np.linspace(0, 1, n)[:, None] * (last - first))
 
 
-def noisy(lines: list[Array], seed: int) -> Observations:
+def noisy(lines: list[Array], seed: int, sigma_px: float = SIGMA_PX) -> Observations:
     rng = np.random.default_rng(seed)
     return Observations.from_arrays(
-        [line + rng.normal(0, SIGMA_PX, line.shape) for line in lines], LENS.size
+        [line + rng.normal(0, sigma_px, line.shape) for line in lines], LENS.size
     )
 
 

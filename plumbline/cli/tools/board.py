@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import click
 
@@ -14,17 +12,17 @@ from plumbline.boards.array import brightness
 from plumbline.boards.find import look_for_boards
 from plumbline.boards.overlay import Drawing, drawn, sheet, width_of_each
 from plumbline.boards.spacing import spacing
+from plumbline.cli.tools.pictures import PICTURES, picture_bytes
 from plumbline.errors import OptionError, PlumblineError, ReadError, WriteError, printable
 from plumbline.files import (
-    MARK,
     is_same,
     refuse_to_clobber,
     refuse_unknown_suffix,
     write_atomically,
 )
 from plumbline.formats.known import suffixes
-from plumbline.imaging.upright import read_upright
-from plumbline.observations import Observations, Origin, Photo
+from plumbline.imaging.upright import photo_of, read_upright
+from plumbline.observations import Observations, Origin
 from plumbline.observations.board import Board, lines_of
 from plumbline.observations.facts import LensFacts
 from plumbline.reading.photo import note_on_orientation, with_exif
@@ -32,12 +30,9 @@ from plumbline.reading.points import join
 from plumbline.result.calibration import Calibration
 from plumbline.wording import count, listed
 
-OVERLAYS = (".jpg", ".jpeg", ".png")
-
 _WORTHWHILE = 0.9
 """Share of the rms that must be left for a free centre to be mentioned; chosen."""
 
-_QUALITY = 88
 _NO_BOARD = (
     "a chequerboard needs at least 3 by 3 inner corners in view, sharp and evenly lit; boards with "
     "markers in their squares (ChArUco) and grids of dots are not read"
@@ -103,7 +98,7 @@ def _seen(path: str, inner: tuple[int, int] | None, width_px: int) -> Seen:
     notes = note_on_orientation(photo.facts, (width, height))
     facts = with_exif(LensFacts(), [photo.facts], notes)
     observations = Observations(
-        (Photo((width, height), photo.facts.name),),
+        (photo_of(photo),),
         tuple(lines_of(search.boards)),
         (facts,),
         tuple(notes),
@@ -159,7 +154,7 @@ def _about_the_centre(made: Calibration, corners: Path) -> list[str]:
     )
     return [
         f"the distortion centre is held at the photo's: free (--free {','.join(free)}) it lies at "
-        f"{where} px, and lines are straight to {other.rms_after_px:.2g} px instead of "
+        f"{where} px, and corners stray by {other.rms_after_px:.2g} px instead of "
         f"{made.rms_after_px:.2g} px; plumbline compare {corners} judges it"
     ]
 
@@ -197,7 +192,7 @@ class Targets:
             folder / "board.jpg" if overlay is None else Path(overlay),
         )
         refuse_unknown_suffix(made.points, tuple(suffixes("points")), "corners")
-        refuse_unknown_suffix(made.overlay, OVERLAYS, "drawings")
+        refuse_unknown_suffix(made.overlay, PICTURES, "drawings")
         if made.points == made.overlay:
             raise WriteError("this file is named twice", path=made.points, hint="name two files")
         return made
@@ -216,19 +211,5 @@ def contents(
         refuse_to_clobber(target, inputs, overwrite=overwrite)
     return {
         targets.points: suffixes("points")[targets.points.suffix.lower()].write(observations),
-        targets.overlay: _picture(targets.overlay, sheet([seen.drawing for seen in found])),
+        targets.overlay: picture_bytes(targets.overlay, sheet([seen.drawing for seen in found])),
     }
-
-
-def _picture(target: Path, drawing: Drawing) -> bytes:
-    from PIL import Image, PngImagePlugin
-
-    image = Image.fromarray(drawing[..., ::-1])
-    out = io.BytesIO()
-    how: dict[str, Any] = {"quality": _QUALITY, "comment": MARK.encode()}
-    if target.suffix.lower() == ".png":
-        text = PngImagePlugin.PngInfo()
-        text.add_text("Software", MARK)
-        how = {"pnginfo": text}
-    image.save(out, format="PNG" if target.suffix.lower() == ".png" else "JPEG", **how)
-    return out.getvalue()

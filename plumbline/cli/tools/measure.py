@@ -33,7 +33,7 @@ def run(picks: str | None, saved: str, how: Mapping[str, Any], *, as_json: bool)
     if how["output"]:
         target = Path(how["output"])
         refuse_to_clobber(target, [saved, *([picks] if picks else [])], overwrite=how["overwrite"])
-        contents[target] = _file(target, stored, made)
+        contents[target] = _file(target, stored, points, made)
     write_atomically(contents)
     if as_json:
         click.echo(_json(stored, made), nl=False)
@@ -90,8 +90,17 @@ def _all(found: Rectification, picks: Mapping[str, object]) -> Iterator[tuple[Ki
         yield "distance", pair
 
 
-def _file(target: Path, stored: StoredRectification, made: Sequence[Measurement]) -> bytes:
+def _file(
+    target: Path,
+    stored: StoredRectification,
+    points: Mapping[str, tuple[float, float]],
+    made: Sequence[Measurement],
+) -> bytes:
     suffix = target.suffix.lower()
+    if suffix == ".dxf":
+        from plumbline.rectified.dxf import dxf_bytes
+
+        return dxf_bytes(stored.rectification, points, made)
     if suffix == ".json":
         return _json(stored, made).encode()
     if suffix == ".csv":
@@ -99,7 +108,7 @@ def _file(target: Path, stored: StoredRectification, made: Sequence[Measurement]
     raise WriteError(
         f"measurements are not written as {suffix or 'files without a suffix'}",
         path=target,
-        hint="use .csv or .json",
+        hint="use .csv, .json or .dxf",
     )
 
 

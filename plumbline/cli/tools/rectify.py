@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -10,24 +11,33 @@ from typing import Any
 import click
 
 from plumbline.errors import OptionError, WriteError, printable
-from plumbline.files import read_bytes, refuse_to_clobber, write_atomically
+from plumbline.files import (
+    read_bytes,
+    refuse_to_clobber,
+    refuse_unknown_suffix,
+    write_atomically,
+)
 from plumbline.ground.gathering import gather
+from plumbline.ground.measure import Measurement
 from plumbline.ground.rectification import Rectification
 from plumbline.ground.rectify import rectified
 from plumbline.ground.request import GroundRequest
 from plumbline.ground.stored import StoredRectification, rectification_json
-from plumbline.imaging.rectified.georeference import epsg_code, world_file_name
-from plumbline.imaging.rectified.grid import Extent
-from plumbline.imaging.rectified.picture import (
-    PictureRequest,
-    Shown,
-    picture_files,
-    rectify_picture,
-)
 from plumbline.imaging.targets import beside, check_target
 from plumbline.lenses.request import LensRequest
 from plumbline.photos.exif import read_photo
 from plumbline.photos.files.encode import format_of
+from plumbline.rectified.compare import grid_like, mosaic, overlay_bytes
+from plumbline.rectified.dxf import dxf_bytes
+from plumbline.rectified.georeference import epsg_code, world_file_name
+from plumbline.rectified.grid import Extent
+from plumbline.rectified.picture import (
+    PictureRequest,
+    RectifiedPicture,
+    Shown,
+    picture_files,
+    rectify_picture,
+)
 from plumbline.writing.beside import command_line
 
 SUFFIX = "_rectified"
@@ -41,14 +51,18 @@ def run(photo: str, lens: LensRequest, how: Mapping[str, Any]) -> None:
     request = ground_request(how)
     wanted = _picture_request(how)
     inputs = [path for path in (photo, request.points, request.tapes, request.lines) if path]
-    _refuse_targets(source, picture, saved, inputs, overwrite=how["overwrite"])
+    _refuse_targets(source, picture, saved, inputs, how)
     found = rectified(gather(read_photo(photo), lens, request))
     contents, notes = dict[Path, bytes](), list[str]()
+    made: RectifiedPicture | None = None
     if picture is not None:
         made = rectify_picture(found, source, picture, wanted)
         files, lost = picture_files(made, picture, wanted, _description(found))
-        contents |= files
+        contents |= files | _beside_others(made, picture, wanted, found, how)
         notes += [*made.notes, *made.picture.notes, *lost]
+    if how["dxf"]:
+        frame = None if made is None else made.grid.corners_m
+        contents[Path(how["dxf"])] = dxf_bytes(found, {}, tape_measurements(found), frame)
     digest = sha256(read_bytes(photo)).hexdigest()
     stored = StoredRectification(found, source.name, digest, command_line())
     contents[saved] = rectification_json(stored)
@@ -93,6 +107,7 @@ def _picture_request(how: Mapping[str, Any]) -> PictureRequest:
         how["border"],
         how["quality"],
         how["crs"],
+        None if how["grid_like"] is None else grid_like(how["grid_like"]),
     )
 
 
@@ -120,16 +135,55 @@ def _saved_target(photo: Path, picture: Path | None) -> Path:
 
 
 def _refuse_targets(
-    photo: Path, picture: Path | None, saved: Path, inputs: list[str], *, overwrite: bool
+    photo: Path, picture: Path | None, saved: Path, inputs: list[str], how: Mapping[str, Any]
 ) -> None:
     """Refuse to write over what plumbline did not write, before any work is done."""
+    overwrite: bool = how["overwrite"]
     refuse_to_clobber(saved, inputs, overwrite=overwrite)
+    if how["dxf"]:
+        refuse_unknown_suffix(Path(how["dxf"]), (".dxf",), "drawings")
+        refuse_to_clobber(Path(how["dxf"]), inputs, overwrite=overwrite)
     if picture is None:
         return
-    check_target(picture, photo, overwrite=overwrite)
+    if how["mosaic"] and not how["grid_like"]:
+        raise OptionError(
+            "--mosaic blends with the picture of --grid-like", hint="name it with --grid-like"
+        )
+    more = [Path(how["mosaic"])] if how["mosaic"] else []
+    more += [_overlay_target(picture)] if how["overlay"] else []
+    for target in (picture, *more):
+        check_target(target, photo, overwrite=overwrite)
     refuse_to_clobber(world_file_name(picture), inputs, overwrite=overwrite or picture.exists())
     if saved == picture:
         raise WriteError("picture and rectification are one file", path=saved, hint="see --save")
+
+
+def _overlay_target(picture: Path) -> Path:
+    return picture.with_name(f"{picture.stem}_overlay.png")
+
+
+def _beside_others(
+    made: RectifiedPicture,
+    picture: Path,
+    wanted: PictureRequest,
+    found: Rectification,
+    how: Mapping[str, Any],
+) -> dict[Path, bytes]:
+    """The overlay and the mosaic, where they are asked for."""
+    contents: dict[Path, bytes] = {}
+    if how["overlay"]:
+        target = _overlay_target(picture)
+        contents[target] = overlay_bytes(made, how["overlay"], target)
+    if how["mosaic"]:
+        blended = replace(made, picture=mosaic(made, how["grid_like"]))
+        target = Path(how["mosaic"])
+        contents |= picture_files(blended, target, wanted, _description(found))[0]
+    return contents
+
+
+def tape_measurements(found: Rectification) -> list[Measurement]:
+    """The taped distances as adjusted."""
+    return [found.measure("distance", [t.first, t.second]) for t in found.findings.tapes]
 
 
 def _description(found: Rectification) -> str:

@@ -27,10 +27,14 @@ def draw(
 ) -> tuple[dict[Path, bytes], list[str]]:
     """A report with its comparison of models, and single figures, as `report_contents`."""
     from plumbline.report.writing import report_contents
+    from plumbline.result.pair import PairCalibration
 
     comparisons: list[Comparison | None] = []
     failed: list[str] = []
     for made in calibrations if report is not None else ():
+        if isinstance(made, PairCalibration):  # models are compared by lines left out
+            comparisons.append(None)
+            continue
         try:
             comparisons.append(compared(made.kept_observations, narration, robust=False))
         except PlumblineError as error:

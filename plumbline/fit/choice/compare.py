@@ -32,7 +32,9 @@ from plumbline.trust.picked import picked_range_px
 from plumbline.wording import listed
 
 _GRID = 17
+"""Points along a side of the photo: chosen, as for the range of the picks."""
 _MOST_NAMED = 3
+"""Chosen, because a sentence that names more is not read."""
 _FINEST_PX = 0.001
 """Residuals below this are rounding, and no reason to prefer a model."""
 
@@ -105,8 +107,9 @@ def compare(
 def _quoting(candidate: Candidate) -> Candidate:
     """The row with the one error to quote, that of its fit."""
     quoted = None if candidate.calibration is None else candidate.calibration.quoted
-    known = quoted is not None and candidate.aicc is not None
-    return replace(candidate, overall_error_px=quoted.worst_px if known else None)
+    if quoted is None or candidate.aicc is None:
+        return replace(candidate, overall_error_px=None)
+    return replace(candidate, overall_error_px=quoted.worst_px)
 
 
 def _believed(observations: Observations) -> Observations:

@@ -18,6 +18,7 @@ from plumbline.result.comparison import Candidate
 from plumbline.wording import px
 
 _MUCH = 2.0
+"""How many times farther models part beyond the picks before it is told: chosen."""
 
 
 def reason(choice: Choice) -> str:

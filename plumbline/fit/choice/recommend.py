@@ -30,9 +30,13 @@ from plumbline.result.comparison import Candidate
 from plumbline.trust.displacement import difference_px
 
 MATTERS_PX = 0.1
+"""Chosen, because nobody picks or sees a tenth of a pixel."""
 _AS_GOOD = 1.2
+"""Chosen, because errors are themselves known to about a fifth."""
 _NO_SUPPORT = 10.0
+"""Essentially no support: K. Burnham and D. Anderson 2002, section 2.6."""
 _CENTRE_GAIN = 6.0
+"""Evidence of 20 to 1, exp(6 / 2): chosen."""
 
 
 class Choice(NamedTuple):

@@ -40,6 +40,7 @@ PATTERNS = ("*.program", "jit_*-cache", "jit_*-atime")
 
 _BROKEN = "persistent compilation cache"
 _DIGEST_BYTES = 32
+"""Length of a SHA-256."""
 _FEW_POINTS = 8192
 _QUICK: dict[str, str | bool] = {"xla_backend_optimization_level": "0"}
 """Optimising takes a second or two longer, and saves a millisecond a fit of few points."""

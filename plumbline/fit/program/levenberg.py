@@ -16,7 +16,9 @@ import jax.numpy as jnp
 import optimistix as optx
 
 _FIRST_STEP_SIZE = 1e8
+"""Next to no damping: chosen, because the staged start is close."""
 _UNJUDGEABLE = 1e-12
+"""Change of the sum of squares below which it is rounding: a few thousand units of 2⁻⁵²."""
 
 
 class SmallDescent(optx.AbstractDescent[Any, Any, Any]):

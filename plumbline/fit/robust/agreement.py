@@ -27,7 +27,9 @@ LEAST = 3
 _WRONG = 0.25
 """Share of wrong picks that is reckoned with."""
 _PAIRS = 28
+"""All pairs of eight picks: chosen, so that lines of few picks miss none."""
 _SETTLING = 4
+"""Rounds after which proposals no longer change: chosen."""
 _RIGHT, _WRONGED = 2 / 3, 1 / 2
 """Belief beyond which a pick is called right, and wrong."""
 _NO_LINE = 0.05

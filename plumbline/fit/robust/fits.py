@@ -32,6 +32,7 @@ from plumbline.fit.robust.worth import explains_more, rounded
 from plumbline.trust.linearised import in_frame, linearise
 
 _MOST_ROUNDS = 12
+"""Chosen, because lens and picks settle in three to five."""
 _MASKED, _MANY, _WILD = 0.8, 0.02, 1 / 300
 """Bad picks may be hiding each other where they are more than the second share and leave to the
 others less than the first share of the plain fit's σ̂, or where that exceeds the third share of R.
@@ -39,6 +40,7 @@ others less than the first share of the plain fit's σ̂, or where that exceeds 
 _SHARES = 1.0, 0.7, 0.5
 """Of σ̂, which wrong picks among the believed ones make too large."""
 _NO_EXCUSE = 1e-9
+"""Rounding of a logarithm."""
 _WRONG = 0.1
 """Width of the band that wrong picks fall into, as a share of R."""
 

@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 from plumbline.frame import Array
 
 _BEND, _EXPLAINED, _LEAST_PICKS = 5.0, 0.8, 5
+"""Standard errors of a bend, the share of the residuals that it explains, and the fewest picks
+that show one: chosen, so that clean lines hardly ever do (`tests.benchmarks.spoiled`)."""
 _ROUNDED_BENDS = 3.5
 """Bends of less, in standard deviations of rounding, may be rounding alone: an edge a little
 askew is rounded up for a stretch and down for the next, a pixel at most in all."""

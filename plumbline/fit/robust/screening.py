@@ -27,15 +27,21 @@ from plumbline.trust.linearised import across_stretch
 from plumbline.trust.student import quantile
 
 _PAIRS = 10
+"""Chosen, because one good pair of ten is certain but for 1 in 1,000 with half the picks wrong."""
 _CHUNK = 1 << 15
+"""Distances held at a time: chosen, to fit a processor's cache."""
 _ROUNDS = 2
+"""Chosen, because the kept picks no longer change after two."""
 BEYOND = 2.5
 """How far beyond a line's own spread a pick may lie along it and still belong to it."""
 _MOST_VOTES = 256
+"""Picks of a line that take part in the median: chosen, enough to know it to a tenth."""
 _MOST_OF_MIDDLE, _MOST_OF_FIRST = 1.3, 1.6
+"""How much larger than from the middle of the residuals σ may be: chosen, because good picks
+scatter the ratio by less (`tests.benchmarks.spoiled`)."""
 _EXACT = 2  # each least-median line runs through two picks, which tell nothing of σ
 FINEST_PX = 0.01
-"""Nobody picks better than this; below, rounding is no reason for suspicion."""
+"""Nobody picks better than this; below, rounding is not a reason for suspicion."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,12 +22,17 @@ from plumbline.geometry.lines import line_numbers
 from plumbline.models import CENTRE, get_model
 
 _STEPS = np.array((0.03, 0.0375))
+"""Steps of l1 and l2 at the farthest pick: chosen, so that the coarsest σ covers one."""
 _COARSEST, _FINEST_PX = 0.008, 0.6
 """σ to begin with as a share of R, and the one to end below."""
 _BEST, _STARTS = 32, 10
+"""Lenses that are refined and begun with: chosen (`tests.benchmarks.spoiled`)."""
 _APART, _STARTS_APART = 6.0, 24.0
+"""How many σ two lenses differ by to count as two: chosen."""
 _MOST_PICKS, _MOST_OF_LINE = 240, 16
+"""Picks that lenses are tried on: chosen, because more change the best one hardly."""
 _CHUNK = 1 << 21
+"""Distances held at a time: chosen, 16 MiB."""
 _AROUND = np.array([(i, j) for i in (-1, 0, 1) for j in (-2, -1, 0, 1, 2)])
 _FEASIBLE = np.linspace(0.0, 1.0, 33)
 

@@ -120,7 +120,7 @@ def read_ptlens(source: Source) -> PTLensProfile:
     for row, name in others:
         plain = PurePosixPath(name.replace("\\", "/"))
         if plain.name != str(plain) or plain.name in ("", ".", ".."):
-            raise source.error(f"{shown(name)} is no plain file name", row, hint=_HINT)
+            raise source.error(f"{shown(name)} is not a plain file name", row, hint=_HINT)
         path = Path(source.path).parent / plain.name
         more_cameras, more_lenses, _ = _read_one(Source(str(path), read_bytes(path)))
         cameras += more_cameras
@@ -167,7 +167,7 @@ def _blocks(source: Source) -> Iterator[tuple[str, _Fields]]:
         elif line:
             key, colon, value = line.partition(":")
             if not colon:
-                raise source.error(f"{shown(line)} is no 'key: value'", row, _HINT)
+                raise source.error(f"{shown(line)} is not 'key: value'", row, _HINT)
             (fields if kind else outside).append((row, key.strip(), value.strip()))
     if kind:
         raise source.error(f"the last {kind} does not end: the file is cut off", hint=_HINT)
@@ -220,7 +220,7 @@ def _lens(source: Source, fields: _Fields) -> PTLensLens:
             continue
         numbers = [source.number(part, row, what="a value of cal_abc") for part in value.split()]
         if len(numbers) != 4 or numbers[0] <= 0:
-            raise source.error("cal_abc holds no focal length, a, b and c", row, _HINT)
+            raise source.error("cal_abc does not hold a focal length, a, b and c", row, _HINT)
         if max(map(abs, numbers[1:])) > _LARGEST:
             raise source.error("a value of cal_abc is impossibly large", row, _HINT)
         found[numbers[0]] = (numbers[1], numbers[2], numbers[3])

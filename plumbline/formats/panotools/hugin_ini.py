@@ -67,7 +67,7 @@ def read_hugin_ini(source: Source) -> HuginLens:
         parser.read_string(source.text())
     except configparser.Error as error:
         row = getattr(error, "lineno", None)
-        raise source.error("this is no Hugin lens file", row, hint=_HINT) from None
+        raise source.error("this is not a Hugin lens file", row, hint=_HINT) from None
     sections = {name.casefold(): parser[name] for name in parser.sections()}
     if "lens" not in sections:
         raise source.error("there is no [Lens] in this file", hint=_HINT)

@@ -40,8 +40,8 @@ class _Fields:
     Attributes:
         starts: The first byte of each number.
         stops: One past its last byte.
-        n_marks: How many of its bytes are no digits.
-        decimals: How many of them follow its dot; -1 for what is no mere decimal.
+        n_marks: How many of its bytes are not digits.
+        decimals: How many of them follow its dot; -1 for what is not a mere decimal.
     """
 
     starts: NDArray[np.int64]

@@ -55,8 +55,8 @@ def take_points(source: Source) -> tuple[ControlPoints, list[tuple[int, str]]]:
         The control points, and the row and text of all other records.
 
     Raises:
-        ReadError: the file is no script, or a control point lacks something, or holds what is no
-            number.
+        ReadError: the file is not a script, or a control point lacks something or holds what is not
+            a number.
     """
     starts = line_starts(source)
     content = np.frombuffer(source.content, dtype=np.uint8)
@@ -122,6 +122,6 @@ def _scrambled(source: Source, row: int, text: str) -> tuple[str, ...]:
         value = found.setdefault(name, "0")
         if not (value.isascii() and value.isdigit() and len(value) < 10):
             raise source.error(
-                f"{shown(name + value)} is no whole number", row, "correct or remove this line"
+                f"{shown(name + value)} is not a whole number", row, "correct or remove this line"
             )
     return tuple(found[name] for name in "nNxyXYt")

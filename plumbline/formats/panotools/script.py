@@ -152,7 +152,7 @@ def records(source: Source) -> list[str]:
 
 
 def decoded(content: bytes) -> str:
-    """Part of a script as text, bytes that are no UTF-8 as surrogates."""
+    """Part of a script as text, bytes that are not UTF-8 as surrogates."""
     return content.decode("utf-8", errors="surrogateescape")
 
 
@@ -162,7 +162,7 @@ def encoded(texts: Sequence[str]) -> bytes:
 
 
 def readable(text: str) -> str:
-    """A part of a decoded script as real text; it is Latin-1 where it is no UTF-8."""
+    """A part of a decoded script as real text; it is Latin-1 where it is not UTF-8."""
     content = encoded([text])
     try:
         return content.decode()
@@ -191,7 +191,7 @@ def parse_image(source: Source, row: int, text: str, earlier: Sequence[ImageReco
         earlier: The images before it, which `=N` may refer to.
 
     Raises:
-        ReadError: a value is no number, or a link does not point to an earlier image.
+        ReadError: a value is not a number, or a link does not point to an earlier image.
     """
     values: dict[str, float] = {}
     links: dict[str, int] = {}

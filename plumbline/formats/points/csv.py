@@ -75,7 +75,7 @@ def read(source: Source, _options: ReadOptions) -> Observations:
     """Points of a plain table, grouped by line and photo.
 
     Raises:
-        ReadError: the text is no such table.
+        ReadError: the text is not such a table.
     """
     table = Table.of(source)
     rows = table.rows()

@@ -72,7 +72,7 @@ def read(source: Source, _options: ReadOptions) -> Observations:
         return read_selections(source)
     table = Table.of(source, comments=False)
     if len(table.text) > MAX_LENGTH:
-        raise source.error(f"a table of {len(table.text):,} characters is no Results table")
+        raise source.error(f"a table of {len(table.text):,} characters is not a Results table")
     rows = [row for row in table.rows() if any(map(str.strip, row[1]))]
     header = [cell.strip() for cell in rows[0][1]] if rows else []
     gatherer = LineGatherer(source)

@@ -99,7 +99,7 @@ def _entries(source: Source) -> Iterator[tuple[str, bytes]]:
 
 def _kind(source: Source, name: str, content: bytes) -> str:
     if len(content) < 64 or not content.startswith(b"Iout"):
-        raise source.error(f"{shown(name)} is no ImageJ selection", hint="save it again")
+        raise source.error(f"{shown(name)} is not an ImageJ selection", hint="save it again")
     return _TYPES[content[6]] if content[6] < len(_TYPES) else "unknown selection"
 
 

@@ -70,7 +70,7 @@ class LineGatherer:
         self.notes: list[str] = []
         self._shift_px = shift_px
         self._photos: dict[Hashable, int] = {}
-        self._made: list[Photo] = []
+        self._gathered: list[Photo] = []
         self._lines: list[Line] = []
         self._labels = UniqueLabels()
         self._aside: Counter[str] = Counter()
@@ -106,21 +106,22 @@ class LineGatherer:
                 hint="give the picks of one photo or a few at a time",
             )
         index = self._photo(photo, photo_name, size)
-        made = np.asarray(points, dtype=np.float64).reshape(-1, 2)
+        given = np.asarray(points, dtype=np.float64).reshape(-1, 2)
         numbers = None
         if rows is not None:
-            numbers = np.broadcast_to(np.asarray(rows, dtype=np.int64), len(made)).copy()
-        finite = np.isfinite(made).all(axis=1)
+            numbers = np.broadcast_to(np.asarray(rows, dtype=np.int64), len(given)).copy()
+        finite = np.isfinite(given).all(axis=1)
         if not finite.all():
             worst = int(np.argmin(finite))
             line = None if numbers is None else int(numbers[worst])
+            name = clean_label(label) or len(self._lines) + 1
             raise self.source.error(
-                f"a point of line {clean_label(label) or len(self._lines) + 1} is no finite number",
+                f"a point of line {name} is not a finite number",
                 line,
                 "correct or remove it",
             )
         name = self._labels(label, index)
-        shifted = made + self._shift_px if self._shift_px else made  # keeps a negative zero
+        shifted = given + self._shift_px if self._shift_px else given  # keeps a negative zero
         self._lines.append(Line(shifted, index, name, numbers))
 
     def pick(
@@ -184,13 +185,13 @@ class LineGatherer:
                 "the file holds no line of points" + (f" but {listed(kinds)}" if kinds else ""),
                 hint=f"draw each straight edge; only {read_kinds} are read" if read_kinds else "",
             )
-        return Observations(tuple(self._made), tuple(self._lines), notes=tuple(self.notes))
+        return Observations(tuple(self._gathered), tuple(self._lines), notes=tuple(self.notes))
 
     def _photo(self, key: Hashable, name: str, size: Size | None) -> int:
         index = self._photos.get(key)
         if index is None:
-            index = self._photos[key] = len(self._made)
-            self._made.append(Photo(size, clean_label(name)))
+            index = self._photos[key] = len(self._gathered)
+            self._gathered.append(Photo(size, clean_label(name)))
         return index
 
 

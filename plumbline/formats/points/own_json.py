@@ -102,6 +102,9 @@ def write(observations: Observations) -> bytes:
                     "size": list(photo.frame.size),
                     "pixel_aspect": photo.pixel_aspect,
                     "lens": photo.lens,
+                    "sha256": photo.sha256,
+                    "taken": photo.taken,
+                    "serial": photo.serial,
                 }
                 for photo in observations.photos
             ],
@@ -117,7 +120,7 @@ def write(observations: Observations) -> bytes:
         },
     }
     text = json.dumps(whole, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-    # A file name that is no text is written in JSON's own escapes and reads back as it was.
+    # A file name that is not text is written in JSON's own escapes and reads back as it was.
     return text.encode("utf-8", "backslashreplace")
 
 
@@ -172,6 +175,9 @@ def _photo(source: Source, value: object, where: str, lenses: int) -> Photo:
         clean_label(as_text(photo.get("name"))),
         _index(source, photo.get("lens", 0), f"{where}.lens", lenses),
         aspect,
+        sha256=clean_label(as_text(photo.get("sha256"))),
+        taken=clean_label(as_text(photo.get("taken"))),
+        serial=clean_label(as_text(photo.get("serial"))),
     )
 
 

@@ -105,7 +105,7 @@ class Table:
         return _DecimalReader() if commas else _strict_float
 
     def bad_number(self, cells: Sequence[str], line: int) -> ReadError:
-        """The `ReadError` about the first of some cells that is no number."""
+        """The `ReadError` about the first of some cells that is not a number."""
         for cell in cells:
             try:
                 good = math.isfinite(_DecimalReader()(cell))

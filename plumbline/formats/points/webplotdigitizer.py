@@ -42,7 +42,7 @@ def read(source: Source, _options: ReadOptions) -> Observations:
     """One line a dataset.
 
     Raises:
-        ReadError: the first rows are no names over X and Y, or a value is missing.
+        ReadError: the first rows are not names over X and Y, or a value is missing.
     """
     table = Table.of(source, comments=False)
     rows = (row for row in table.rows() if any(map(str.strip, row[1])))

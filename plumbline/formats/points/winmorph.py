@@ -13,7 +13,7 @@ single long one often holds a grid of rows × columns, read row by row, always f
 (`raster`) or back and forth (`zigzag`): then `--grid` makes lines of its rows and columns.
 
 Kept: the points. Dropped: the two lines after each header, whose meaning is not known, and
-all that is no pair of numbers. Any header `Shape…`, any separator and a decimal comma will
+all that is not a pair of numbers. Any header `Shape…`, any separator and a decimal comma will
 do. Source: inferred from a macro that reads such files, not from WinMorph itself.
 """
 
@@ -123,7 +123,7 @@ def _lines(source: Source) -> list[str]:
 def _fractions(source: Source, pair: tuple[float, float], line: int) -> tuple[float, float]:
     if not -1 <= min(pair) <= max(pair) <= 2:
         raise source.error(
-            f"{pair[0]:g} {pair[1]:g} are no fractions of the photo's width and height",
+            f"{pair[0]:g} {pair[1]:g} are not fractions of the photo's width and height",
             line,
             "coordinates run from 0 to 1; write points in pixels as a table line,x,y",
         )

@@ -2,7 +2,7 @@
 
 import { photoAt, toWorld } from "./camera.js";
 import { apply, distance, ends, inOrder } from "./geometry.js";
-import { COLOURS, dot, trail } from "./paint.js";
+import { COLOURS, dot, trail } from "./pen.js";
 
 /** @typedef {import("./types.js").State} State */
 /** @typedef {import("./types.js").Point} Point */

@@ -83,7 +83,8 @@ function showLines({ lines, fit, selected, judgement }) {
       `${line.snapped ? "traced" : "free"} ${name}`);
     const row = make("tr", { "data-number": String(line.number) },
       make("td", {}, button), make("td", { class: "number" }, rms === undefined ? "–" : px(rms)), make("td", {}, meter),
-      make("td", {}, accused.has(line.number) ? make("span", { class: "wrong", title: accused.get(line.number)?.text ?? "" }, "✗ suspect") : ""));
+      make("td", {}, accused.has(line.number) ? make("span", { class: "wrong", role: "img",
+        title: accused.get(line.number)?.text ?? "", "aria-label": "suspicious" }, "✗") : ""));
     row.classList.toggle("selected", line.number === selected);
     return row;
   }));

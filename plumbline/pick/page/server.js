@@ -97,7 +97,7 @@ export function createServer(store) {
       });
       taken(told, store);
       store.set({ photos, file: told.file, snapping: told.snapping, models: told.models,
-        judgement: told.judgement, progress: told.notes[0] ?? "" });
+        judgement: told.judgement, ready: told.ready, progress: told.notes[0] ?? "" });
       listen(store);
     },
 
@@ -137,6 +137,7 @@ function listen(store) {
     ["unsaved", (told) => store.set({ unsaved: told })],
     ["photos", (told) => store.set({ photosChanged: told })],
     ["progress", (told) => store.set({ progress: told })],
+    ["ready", () => store.set({ ready: true })],
     ["failure", (told) => store.set({ photosChanged: told })],
   ];
   for (const [name, hear] of heard) {

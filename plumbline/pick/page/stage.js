@@ -5,7 +5,8 @@ import { paintLoupe, paintStrip, prepared } from "./closeups.js";
 import { find, px } from "./dom.js";
 import { paintMap } from "./errormap.js";
 import { apply, distance } from "./geometry.js";
-import { paint, paintGuide, penFor } from "./paint.js";
+import { paint, paintGuide } from "./paint.js";
+import { penFor } from "./pen.js";
 import { Tiles } from "./tiles.js";
 
 /** @typedef {import("./store.js").Store} Store */
@@ -46,7 +47,8 @@ export function createStage(store) {
     }
     photoStale = overlayStale = false;
     const { x, y, scale } = state.view;
-    Object.assign(stage.dataset, { drawn: String(state.revision), view: `${x} ${y} ${scale}` });
+    Object.assign(stage.dataset, { drawn: String(state.revision), view: `${x} ${y} ${scale}`,
+      ready: state.ready ? "yes" : "no", judged: String(state.judgement.revision ?? "") });
     stage.dataset.settled = String(tiles.settled);
   }
 
@@ -71,11 +73,16 @@ export function createStage(store) {
     const m = matrix(state.view, size(), ratio);
     const pen = penFor(context, state, m, ratio);
     paint(pen, state);
-    if (state.guide) {
-      paintGuide(pen, [apply(m, state.guide[0]), apply(m, state.guide[1])]);
-      const [a, b] = state.guide;
-      find("guide-note", HTMLElement).textContent = `guide: ${px(distance(a, b))} long`;
-    } else find("guide-note", HTMLElement).textContent = "";
+    if (state.guide) paintGuide(pen, [apply(m, state.guide[0]), apply(m, state.guide[1])]);
+    find("view-note", HTMLElement).textContent = noteOf(state);
+  }
+
+  /** @param {State} state */
+  function noteOf({ guide, show, settings, judgement }) {
+    const goal = settings.goal_px;
+    return [guide ? `guide: ${px(distance(...guide))} long` : "",
+      show.map && judgement.map && !show.corrected ? `error: dark ${px(goal / 2)} or less, yellow ${px(goal * 4)} or more` : "",
+    ].filter(Boolean).join("; ");
   }
 
   store.subscribe((state, before) => {

@@ -7,7 +7,7 @@ const EMPTY = {
   photos: [], file: "", snapping: false, models: [], lines: [], proposals: [],
   settings: { model: "ptlens", free: null, goal_px: 0.5 },
   undo: "", redo: "", fit: { failure: "", hint: "" }, judgement: {}, revision: 0, unsaved: "",
-  photosChanged: "", progress: "", online: true, holds: true, waiting: 0,
+  photosChanged: "", progress: "", ready: false, online: true, holds: true, waiting: 0,
   selected: null, click: null, dragged: null, pending: null, pointer: null, free: false,
   view: { x: 0, y: 0, scale: 1 },
   show: {

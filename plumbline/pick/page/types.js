@@ -67,6 +67,7 @@
 /**
  * @typedef {object} Judgement
  * @property {string} [failure]
+ * @property {number} [revision] What was judged.
  * @property {Suspect[]} [suspects]
  * @property {{good: boolean, text: string}[]} [checks]
  * @property {ErrorMap | null} [map]
@@ -107,6 +108,7 @@
  * @property {string} unsaved
  * @property {string} photosChanged
  * @property {string} progress
+ * @property {boolean} ready Whether the server has its programs compiled.
  * @property {boolean} online
  * @property {boolean} holds Whether this page may pick.
  * @property {number} waiting Requests that are under way.

@@ -29,15 +29,17 @@ def photo(subject: Subject) -> Any:
     blank(axes, frame, None if subject.picture is None else subject.picture.pixels)
     raster = sum(len(line.kept) for line in lines) > style.MANY
     thin = 0.4 if raster else 1.0
+    lines_of_a_fit = [line.curve_px for line in lines if len(line.curve_px)]
     curves = LineCollection(
-        [line.curve_px for line in lines],
+        lines_of_a_fit,
         colors=style.SKY,
         linewidths=1.1 * thin,
         path_effects=cased(2.2 * thin, CASING),
         rasterized=raster,
         label="fitted lines, as the lens shows them",
     )
-    axes.add_collection(curves, autolim=False)
+    if lines_of_a_fit:
+        axes.add_collection(curves, autolim=False)
     factor = magnification(lines, min(frame.square_size))
     axes.add_collection(
         LineCollection(
@@ -53,7 +55,9 @@ def photo(subject: Subject) -> Any:
     kept, out = (_points(lines, kept=which) for which in (True, False))
     dots: dict[str, Any] = {"linestyle": "none", "rasterized": raster, "zorder": 4}
     look: dict[str, Any] = {"mfc": CASING, "mec": "white", "mew": 0.8 * thin}
-    axes.plot(*kept.T, "o", ms=3.2 * thin, label="picks", **look, **dots)
+    axes.plot(
+        *kept.T, "o", ms=3.2 * thin, label="picks" if lines_of_a_fit else "matches", **look, **dots
+    )
     if len(out):
         axes.plot(
             *out.T, "X", ms=6, mfc=style.PURPLE, mec="white", mew=0.8, label="left out", **dots

@@ -12,6 +12,7 @@ from plumbline.frame import Array
 from plumbline.report.figures import style
 from plumbline.report.figures.subject import Drawn, Subject, drawn_lines
 from plumbline.result.calibration import Calibration
+from plumbline.result.pair import PairCalibration
 
 _MOST = 24
 _COLUMNS = 4
@@ -38,7 +39,7 @@ def radius(subject: Subject) -> Any:
         "o",
         ms=1.5 if many else 3.4,
         color=style.BLUE,
-        label="picks",
+        label="matches" if isinstance(made, PairCalibration) else "picks",
         rasterized=many,
     )
     limit = _limit(lines)

@@ -15,6 +15,7 @@ from plumbline.geometry.lens import Lens
 from plumbline.geometry.lines import fit_lines
 from plumbline.report.photos import Picture
 from plumbline.result.calibration import Calibration
+from plumbline.result.pair import PairCalibration
 from plumbline.trust.linearised import in_frame
 from plumbline.trust.student import quantile
 
@@ -67,7 +68,9 @@ class Drawn:
 
 
 def drawn_lines(made: Calibration) -> tuple[Drawn, ...]:
-    """Every line of a calibration."""
+    """Every line of a calibration, or every part of a pair's matches."""
+    if isinstance(made, PairCalibration):
+        return _drawn_parts(made)
     lens, linear = made.lens, made.linearised
     frames = [photo.frame for photo in made.observations.photos]
     observed = np.concatenate(in_frame(made.observations, lens.frame))
@@ -103,6 +106,34 @@ def drawn_lines(made: Calibration) -> tuple[Drawn, ...]:
                 radius_px=radius_px[which],
                 along_px=linear.along_px[which],
                 residual_px=away[which],
+            )
+        )
+    return tuple(found)
+
+
+def _drawn_parts(made: PairCalibration) -> tuple[Drawn, ...]:
+    """Matches in the original beside where the lens puts them; there are no lines."""
+    centre = np.array(made.lens.centre_px)
+    found: list[Drawn] = []
+    first = 0
+    for index, (source, kept) in enumerate(zip(made.observations.lines, made.kept, strict=True)):
+        vectors = made.vectors_px[first : first + len(kept)]
+        first += len(kept)
+        outwards = source.points_px - centre
+        radius_px = np.hypot(outwards[:, 0], outwards[:, 1])
+        away = np.sum(outwards * vectors, axis=1) / np.maximum(radius_px, 1e-9)
+        found.append(
+            Drawn(
+                index=index,
+                label=source.label,
+                photo=source.photo,
+                kept=kept,
+                observed_px=source.points_px,
+                foot_px=source.points_px - vectors,
+                curve_px=np.zeros((0, 2)),
+                radius_px=radius_px,
+                along_px=np.zeros(len(kept)),
+                residual_px=np.where(np.isfinite(away), away, np.nan),
             )
         )
     return tuple(found)

@@ -13,9 +13,11 @@ from plumbline.report.page.figures import count_figures, figures, photo_name
 from plumbline.report.page.markup import Element, Node, document, tag
 from plumbline.report.page.verdict import limits, recommends_the_fitted, verdict
 from plumbline.report.photos import Found
-from plumbline.report.terminal.summary import finding_sentence, lens_title
+from plumbline.report.terminal.summary import lens_title
 from plumbline.result.calibration import Calibration
 from plumbline.result.comparison import Comparison
+from plumbline.result.pair import PairCalibration
+from plumbline.result.sentence import finding_sentence
 from plumbline.wording import count
 
 _RESIDUALS = {
@@ -115,10 +117,14 @@ def _section(part: Part, first: int) -> Iterator[Node]:
     if matrix is not None:
         yield tag("h3", "Correlations")
         yield matrix
-    yield tag("h3", "Straightness of the lines")
-    yield tables.straightness(made)
-    yield tag("h3", "Suspicious picks")
-    yield tables.suspects(made)
+    if isinstance(made, PairCalibration):
+        yield tag("h3", "Matches by part of the photo")
+        yield tables.straightness(made)
+    else:
+        yield tag("h3", "Straightness of the lines")
+        yield tables.straightness(made)
+        yield tag("h3", "Suspicious picks")
+        yield tables.suspects(made)
     yield tag("h3", "Checks")
     yield tables.checks(made)
     yield from (tag("p", sentence, class_="muted") for sentence in tables.errors(made))

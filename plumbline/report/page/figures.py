@@ -10,6 +10,7 @@ from plumbline.report.page.inline_svg import inline
 from plumbline.report.page.markup import Element, tag
 from plumbline.report.photos import Found
 from plumbline.result.calibration import Calibration
+from plumbline.result.pair import PairCalibration
 
 _SHOWS = {
     "photo": "The picks, the straight lines fitted to them as the lens shows them, and how far "
@@ -29,6 +30,16 @@ _SHOWS = {
     "along": "Residuals along the lines. A bow of one line says that the edge was not straight, "
     "a bow shared by all that the model cannot follow the lens",
 }
+_SHOWS_OF_A_PAIR = {
+    "photo": "The matches in the original, and how far each lies from where the lens puts the "
+    "point that it matches in the corrected picture, magnified as stated",
+    "curve": "How far the lens displaces points outwards, relative to the scale at the centre "
+    "(negative: towards the centre). The corrected picture's scale and place are fitted: the "
+    "band holds after the best common ones",
+    "radius": "Residuals, outwards, over the distance from the distortion centre. A trend says "
+    "that the model cannot follow the correction",
+}
+_OF_LINES = ("lines", "along", "corrected")
 _PAIR = ("displacement", "uncertainty")
 
 
@@ -56,6 +67,8 @@ def figures(made: Calibration, found: Found, first: int) -> Iterator[Element]:
 
 def shown_photos(name: str, made: Calibration) -> range:
     """For which photos a figure is drawn: every one, or the first to stand for them all."""
+    if name in _OF_LINES and isinstance(made, PairCalibration):
+        return range(0)
     return range(len(made.observations.photos) if name in OF_EVERY_PHOTO else 1)
 
 
@@ -66,6 +79,8 @@ def count_figures(made: Calibration) -> int:
 
 def _figure(name: str, subject: Subject, number: int) -> Element:
     shows = _SHOWS[name]
+    if isinstance(subject.made, PairCalibration):
+        shows = _SHOWS_OF_A_PAIR.get(name, shows)
     if name in OF_EVERY_PHOTO:
         photo = subject.made.observations.photos[subject.photo]
         empty = "" if subject.picture else " The photo itself is not at hand."

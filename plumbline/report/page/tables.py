@@ -13,6 +13,7 @@ from plumbline.report.terminal.comparison import coefficient_texts, figures
 from plumbline.report.terminal.summary import decimals
 from plumbline.result.calibration import Calibration
 from plumbline.result.comparison import Candidate, Comparison
+from plumbline.result.pair import PairCalibration
 from plumbline.trust.check import Check
 from plumbline.trust.student import quantile
 from plumbline.trust.suspect import Suspect
@@ -78,7 +79,9 @@ def straightness(made: Calibration) -> Element:
     """Every line before and after."""
     photos = made.observations.photos
     several = len(photos) > 1
-    head = ["line", *(["photo"] if several else []), "points"]
+    paired = isinstance(made, PairCalibration)
+    head = ["part (row.column)" if paired else "line", *(["photo"] if several else [])]
+    head.append("matches" if paired else "points")
     if made.robust:
         head.append("left out")
     head += ["rms before, px", "rms after, px", "largest after, px"]
@@ -135,7 +138,7 @@ def checks(made: Calibration) -> Element:
 
 def _verdict(check: Check) -> Node:
     if check.passed and not check.doubtful:
-        return "✓ good"
+        return tag("span", "✓ good", class_="good")
     if check.passed:
         return tag("span", "? doubtful", class_="doubtful")
     return tag("span", "✗ bad", class_="bad")
@@ -212,36 +215,35 @@ def further_notes(made: Calibration) -> list[str]:
 
 
 def picks(made: Calibration) -> Iterator[Element]:
-    """Every pick with its residual."""
-    photos = made.observations.photos
-    several = len(photos) > 1
-    n_points = made.observations.n_points
+    """Every pick with its residual, one small table a line."""
+    photos, n_points = made.observations.photos, made.observations.n_points
     yield tag(
         "p",
         f"{count(n_points, 'pick')} in pixels of the photo, from the centre of its top-left "
         "pixel; residuals in pixels, in the order along each line.",
         class_="muted",
     )
-    rows: list[list[Node]] = []
+    shown = 0
+    blocks: list[Element] = []
     every = zip(made.observations.lines, made.residuals_px, made.kept, strict=True)
     for line, residuals_px, kept in every:
-        photo = [photo_name(photos[line.photo])] if several else []
-        for index, (x, y) in enumerate(line.points_px.tolist()):
-            if len(rows) == _MOST_PICKS:
-                yield _pick_table(rows, several=several)
-                left = n_points - _MOST_PICKS
-                yield tag("p", f"{count(left, 'more pick')} in the JSON of the result.")
-                return
-            residual = _finite(float(residuals_px[index]), "+.2f")
-            fate = "" if kept[index] else "left out"
-            rows.append(
-                [line.label, *photo, str(index + 1), f"{x:.2f}", f"{y:.2f}", residual, fate]
+        if shown + len(kept) > _MOST_PICKS:
+            break
+        shown += len(kept)
+        photo = f" in {photo_name(photos[line.photo])}" if len(photos) > 1 else ""
+        title = tag("b", f"line {line.label}{photo}")
+        rows: list[list[Node]] = [
+            [
+                str(number),
+                f"{x:.2f}",
+                f"{y:.2f}",
+                _finite(residual, "+.2f") if fitted else "left out",
+            ]
+            for number, ((x, y), residual, fitted) in enumerate(
+                zip(line.points_px.tolist(), residuals_px.tolist(), kept.tolist(), strict=True), 1
             )
-    yield _pick_table(rows, several=several)
-
-
-def _pick_table(rows: list[list[Node]], *, several: bool) -> Element:
-    head = ["line", *(["photo"] if several else []), "pick", "x", "y", "residual", ""]
-    made = table(head, rows, text=(*range(1 + several), len(head) - 1))
-    made.set("class", "wide long")
-    return made
+        ]
+        blocks.append(tag("div", title, table(("pick", "x", "y", "residual"), rows)))
+    yield tag("div", *blocks, class_="picks")
+    if shown < n_points:
+        yield tag("p", f"{count(n_points - shown, 'more pick')} in the JSON of the result.")

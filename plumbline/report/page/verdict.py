@@ -61,12 +61,7 @@ def _better(made: Calibration, compared: Comparison | None) -> str:
 
 def _row_of(made: Calibration, compared: Comparison) -> Candidate | None:
     """The fitted model's row."""
-    alike = (
-        row
-        for row in compared.candidates
-        if row.calibration is not None
-        and (row.calibration.model, row.calibration.free) == (made.model, made.free)
-    )
+    alike = (row for row in compared.candidates if (row.model, row.free) == (made.model, made.free))
     return next(alike, None)
 
 

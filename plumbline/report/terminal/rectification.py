@@ -17,7 +17,7 @@ from plumbline.ground.rectification import Rectification
 _MOST_POINTS = 30
 _MOST_ADVICE = 3
 _LEAST_SHOWN_M = 0.0005
-_BUDGET = {
+BUDGET = {
     "picks": "picks of the points",
     "points": "places of the points",
     "flatness": "unevenness at points",
@@ -144,7 +144,7 @@ def _budget(found: Rectification) -> Table:
     for kind in shares[0] if shares else ():
         roots = [_root(share[kind]) for share in shares]
         if max(roots) >= _LEAST_SHOWN_M:
-            table.add_row(f"  {_BUDGET.get(kind, kind)}", *(f"{root:.3f}" for root in roots))
+            table.add_row(f"  {BUDGET.get(kind, kind)}", *(f"{root:.3f}" for root in roots))
     ellipses = [ellipse(each) for each in sure]
     table.add_row("95 % ellipse", *(f"{long:.2f} x {short:.2f}" for long, short, _ in ellipses))
     return table

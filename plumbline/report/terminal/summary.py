@@ -17,18 +17,13 @@ from plumbline.models import CENTRE
 from plumbline.observations import Observations
 from plumbline.report.terminal.checks import print_suspects
 from plumbline.result.calibration import Calibration
-from plumbline.trust.placement import worth_of_error_bars
+from plumbline.result.pair import PairCalibration
+from plumbline.result.sentence import finding_sentence
 from plumbline.wording import count, px
 
 _MOST_LINES = 24
 _LEAST_WIDTH = 80
-_TRUST = "correction", "line by line", "model"
-_KINDS = {
-    "barrel": "Barrel distortion",
-    "pincushion": "Pincushion distortion",
-    "wavy": "Wavy (moustache) distortion",
-    "none": "No distortion to speak of",
-}
+_TRUST = "correction", "line by line", "part by part", "model"
 
 
 class WideConsole(Console):
@@ -56,8 +51,8 @@ def print_summary(
         written: The files written.
         notes: What there is to say about the files.
         verbose: List every line, however many.
-        quiet: Print only the finding, whether picks are wrong, and what there is to say about the
-            files.
+        quiet: Print only the finding, the error to quote, whether picks are wrong, and what there
+            is to say about the files.
     """
     told: set[str] = set()
     for made in calibrations:
@@ -65,6 +60,8 @@ def print_summary(
             print_title(console, made.observations)
         console.print(f"[bold]{finding_sentence(made)}[/]", highlight=False, soft_wrap=True)
         if quiet:
+            if made.quoted is not None:
+                console.print(_plain(made.quoted.sentence), highlight=False, soft_wrap=True)
             for check in made.checks:
                 if check.name == "suspects" and not check.passed:
                     _print_note(console, check.sentence)
@@ -91,20 +88,8 @@ def _plain(text: str) -> str:
     return escape(printable(text))
 
 
-def finding_sentence(made: Calibration) -> str:
-    """The finding in one line."""
-    finding = made.finding
-    place = "at the corner"
-    if finding.folds_at_px is not None:
-        place = f"{finding.folds_at_px:.0f} px from the centre, where the polynomial folds"
-    size = f": {finding.percent:+.2f} % ({finding.corner_px:+.1f} px) {place}"
-    doubt = worth_of_error_bars(made.dof)
-    return (
-        f"{_KINDS[finding.kind]}{'' if finding.kind == 'none' else size}; "
-        f"lines are straight to {made.rms_before_px:.2f} px before, "
-        f"{made.rms_after_px:.2f} px after{f'; {doubt}' if doubt else ''}"
-        f"{f'; {made.doubt}' if made.doubt else ''}"
-    )
+def _paired(made: Calibration) -> bool:
+    return isinstance(made, PairCalibration)
 
 
 def coefficients_table(made: Calibration) -> Table:
@@ -149,10 +134,11 @@ def lines_table(made: Calibration, *, everything: bool = False) -> Table:
         title = f"the {_MOST_LINES} of {len(lines)} lines with the largest residuals (-v lists all)"
     table = Table(box=box.SIMPLE, pad_edge=False, title=title, title_justify="left")
     several = len(made.observations.photos) > 1
-    table.add_column("line", style="bold")
+    table.add_column("part (row.column)" if _paired(made) else "line", style="bold")
     if several:
         table.add_column("photo")
-    for heading in ("points", "rms before", "rms after", "largest after"):
+    points = "matches" if _paired(made) else "points"
+    for heading in (points, "rms before", "rms after", "largest after"):
         table.add_column(heading, justify="right")
     for line in shown:
         photo = made.observations.photos[line.photo]
@@ -203,15 +189,24 @@ def _bootstrap_sentences(made: Calibration) -> list[str]:
 
 def _fitted(made: Calibration) -> str:
     """What was fitted: "140 points on 14 lines", "98 of 126 points on 12 of 14 lines"."""
+    paired = _paired(made)
     counts = [
-        (sum(line.n_points for line in made.lines), made.observations.n_points, "point"),
-        (sum(not line.left_out for line in made.lines), len(made.lines), "line"),
+        (
+            sum(line.n_points for line in made.lines),
+            made.observations.n_points,
+            "matched point" if paired else "point",
+        ),
+        (
+            sum(not line.left_out for line in made.lines),
+            len(made.lines),
+            "part" if paired else "line",
+        ),
     ]
     points, lines = (
         ("" if used == every else f"{used:,} of ") + count(every, noun)
         for used, every, noun in counts
     )
-    return f"{points} on {lines}"
+    return f"{points} in {lines} of the photo" if paired else f"{points} on {lines}"
 
 
 def _fit_sentences(made: Calibration) -> str:

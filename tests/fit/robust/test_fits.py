@@ -211,7 +211,7 @@ def exchanged() -> Observations:
 
 
 def test_picks_of_other_lines_say_which() -> None:
-    with pytest.raises(DegenerateLinesError, match="no straight lines") as caught:
+    with pytest.raises(DegenerateLinesError, match="not lie on straight lines") as caught:
         calibrate(exchanged())
     assert "--robust fits the others" in caught.value.hint
     made = calibrate(exchanged(), robust=True)

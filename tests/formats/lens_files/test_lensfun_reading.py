@@ -81,14 +81,14 @@ def test_defaults_and_aspect_ratios() -> None:
     ("head", "entries", "sentence"),
     [
         ("<cropfactor>0</cropfactor>", "", "cropfactor is not above zero"),
-        ("<cropfactor>inf</cropfactor>", "", "no finite number"),
+        ("<cropfactor>inf</cropfactor>", "", "not a finite number"),
         ("<aspect-ratio>4:0</aspect-ratio>", "", "aspect ratio is impossible"),
         ("<aspect-ratio>x</aspect-ratio>", "", "stands where the aspect ratio belongs"),
         ('<center x="a" y="0"/>', "", "stands where the value of x belongs"),
         ("", '<distortion model="magic" focal="1"/>', "'magic' is not known"),
         ("", '<distortion model="poly3" k1="1"/>', "has no focal"),
         ("", '<distortion model="poly3" focal="-1" k1="1"/>', "not above zero"),
-        ("", '<distortion model="poly3" focal="1" k1="nan"/>', "no finite number"),
+        ("", '<distortion model="poly3" focal="1" k1="nan"/>', "not a finite number"),
     ],
 )
 def test_damage_is_told_with_its_line(head: str, entries: str, sentence: str) -> None:

@@ -36,7 +36,7 @@ def test_a_fisheye_keeps_its_kind() -> None:
         ("hello", "no Hugin lens file"),
         ("[Other]\na=1\n", "no [Lens]"),
         ("[Lens]\ntype=0\n", "no a, b, c"),
-        ("[Lens]\na=1_0\nb=0\nc=0\n", "no finite number"),
+        ("[Lens]\na=1_0\nb=0\nc=0\n", "not a finite number"),
         ("[Lens]\na=x\nb=0\nc=0\n", "'x' stands where the value of a"),
         ("[Lens]\na=%(b)s\nb=0\nc=0\n", "stands where the value of a"),
     ],

@@ -61,7 +61,7 @@ def test_the_row_of_a_bad_record_is_named(monkeypatch: pytest.MonkeyPatch, at_on
 def test_of_two_bad_records_the_first_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(point_records, "_AT_ONCE", 2)
     bad = [USUAL.replace("t3", kind) for kind in ("t3.0", "t3-")]
-    with pytest.raises(ReadError, match=r"row 4: 't3\.0' is no whole number"):
+    with pytest.raises(ReadError, match=r"row 4: 't3\.0' is not a whole number"):
         take_points(script(USUAL, USUAL, USUAL, *bad))
 
 

@@ -55,7 +55,9 @@ def test_polylines_become_lines(encoding: str) -> None:
         ("wall.jpg", (2048, 1536)),
         ("wall.jpg", (4000, 3000)),
     ]
-    assert observations.notes == ("1 shape left aside (1 × box): only polylines are read",)
+    assert observations.notes == (
+        "1 shape left aside (1 × box): only polylines and points are read",
+    )
     rows = observations.lines[1].rows
     assert rows is not None
     assert rows.tolist() == [9, 9, 9]
@@ -73,7 +75,7 @@ def test_polylines_become_lines(encoding: str) -> None:
         (of_image('<polyline points="1,2;3"/>'), "''"),
         (of_image('<polyline points="1,2;x,4"/>'), "'x'"),
         (of_image('<polyline points="1,2;3,4,5"/>'), "'4,5'"),
-        (of_image('<polyline points="1,nan"/>'), "no finite number"),
+        (of_image('<polyline points="1,nan"/>'), "not a finite number"),
         (of_image('<polyline points="1,2"/>', 'name="a" width="x" height="9"'), "the width"),
         (of_image('<polyline points="1,2"/>', 'name="a" width="0" height="9"'), "impossible"),
         (of_image('<polyline points="&bomb;"/>'), "XML is broken"),

@@ -96,7 +96,7 @@ def test_xy_coordinates() -> None:
         (" ,X,Y,Group\n1,1,2,0\n2,3,4,0\n", "which points lie on one line"),
         (" ,Label,X,Y\n1,a,1,2\n2,b,3,4\n", "which points lie on one line"),
         (" ,X,Y,Group\n1,1,x,1\n2,3,4,2\n", "'x'"),
-        (" ,X,Y,Group\n1,1,NaN,1\n2,3,4,2\n", "no finite number"),
+        (" ,X,Y,Group\n1,1,NaN,1\n2,3,4,2\n", "not a finite number"),
         (" ,Group,X,Y\n1,1,5\n2,2,3,4\n", "no X or Y"),
         (" ,Area,Mean\n1,2,3\n", "has no columns X and Y"),
         (" ,X,Y,Group\n" + "1,1,2,3\n" * 3_000_000, "no Results table"),
@@ -209,9 +209,9 @@ CROWD = b"PK\x03\x04" + b"PK\x01\x02" * (MAX_ENTRIES + 1)
         (b"Iout", "no ImageJ selection"),
         (roi(POLYLINE, EDGE)[:70], "cut off or broken"),
         (roi(OVAL, EDGE), "no line of points but 1 × oval"),
-        (roi(POLYLINE, EDGE)[:64] + b"\xff" * 99, "no finite number"),
+        (roi(POLYLINE, EDGE)[:64] + b"\xff" * 99, "not a finite number"),
         (zipped({"a.txt": b""}), "holds no selections"),
-        (zipped({"a.roi": b"junk"}), "'a' is no ImageJ selection"),
+        (zipped({"a.roi": b"junk"}), "'a' is not an ImageJ selection"),
         (zipped({"a.roi": roi(POLYLINE, EDGE)})[:-30], "zipped set of selections is broken"),
         (BOMB, "more than 64 MiB"),
         (CROWD, "10,001 entries"),
@@ -239,3 +239,18 @@ def test_errors_of_selections(content: bytes, message: str) -> None:
 )
 def test_other_files_are_not_claimed(content: bytes) -> None:
     assert not FORMATS["imagej"].recognises(Source("a.csv", content))
+
+
+def test_the_centre_of_mass_stands_in_for_the_centroid() -> None:
+    text = " ,Area,XM,YM,Group\n1,0,10.5,20.5,1\n2,0,5,7,2\n3,0,11,120,1\n"
+    assert FORMATS["imagej"].recognises(Source("Results.csv", text.encode()))
+    found = read(text)
+    assert found.lines[0].points_px.tolist() == [[10.5, 20.5], [11, 120]]
+
+
+def test_a_table_without_coordinates_says_what_to_tick() -> None:
+    text = " ,Area,Mean,Min,Max\n1,0,10.5,20.5,1\n"
+    assert FORMATS["imagej"].recognises(Source("Results.csv", text.encode()))
+    with pytest.raises(ReadError) as caught:
+        read(text)
+    assert "tick Centroid" in caught.value.hint

@@ -63,7 +63,7 @@ def test_other_shapes_are_left_aside_with_a_note() -> None:
     assert len(observations.lines) == 1
     assert observations.notes == (
         "3 shapes left aside (2 × polygon, 1 × rectangle): "
-        "only linestrip, line and points are read",
+        "only linestrip, line, points and point are read",
     )
 
 
@@ -83,7 +83,7 @@ def test_the_embedded_photo_does_not_count() -> None:
         (b"{", "JSON is broken"),
         (b"[]", "the file is a list"),
         (b"{}", "'shapes' is missing"),
-        (b'{"shapes": 3}', "'shapes' is no finite number where a list"),
+        (b'{"shapes": 3}', "'shapes' is not a finite number where a list"),
         (b'{"shapes": []}', "no line of points"),
         (document(shape("circle")), "no line of points but 1 × circle"),
         (document("text"), "shape 1 is 'text'"),
@@ -92,9 +92,9 @@ def test_the_embedded_photo_does_not_count() -> None:
         (document(shape(points=[[1, "2"]])), "'2' where a number belongs"),
         (document(shape(points=[[1, True]])), "true or false where a number belongs"),
         (document(shape(points=[[1, None]])), "missing where a number belongs"),
-        (document(shape(points=[[1, float("nan")]])), "no finite number where"),
-        (document(shape(points=[[1, float("inf")]])), "no finite number where"),
-        (document(shape(points=[[1, 10**400]])), "no finite number where"),
+        (document(shape(points=[[1, float("nan")]])), "not a finite number where"),
+        (document(shape(points=[[1, float("inf")]])), "not a finite number where"),
+        (document(shape(points=[[1, 10**400]])), "not a finite number where"),
         (document(shape(), imageWidth="2048"), "'imageWidth' is '2048'"),
         (document(shape(), imageWidth=-1), "-1x1536 pixels is impossible"),
         (document(shape(), imageWidth=1e300), "impossible"),

@@ -27,7 +27,7 @@ TABLE = (
 )
 POINTS = [[9.5, 19.5], [119.5, 20.5]]
 LINES = [(0, "roof", POINTS), (0, "roof (2)", POINTS), (1, "1", POINTS)]
-NOTE = "1 shape left aside (1 × rect): only polylines are read"
+NOTE = "1 shape left aside (1 × rect): only polylines and points are read"
 
 
 def region(name: str = "polyline", **changes: object) -> dict[str, object]:
@@ -101,7 +101,7 @@ def test_the_only_attribute_names_the_line() -> None:
         (HEADER + 'a.jpg,1,"{}",1,0,"{""name"":""polyline""}","{}"\n', "'all_points_x'", 2),
         (TABLE.replace("[20,21]", "[20]"), "2 x and 1 y", 2),
         (TABLE.replace("[20,21]", "[20,null]"), "missing where a number", 2),
-        (TABLE.replace("[20,21]", "[20,1e999]"), "no finite number", 2),
+        (TABLE.replace("[20,21]", "[20,1e999]"), "not a finite number", 2),
         (HEADER + 'a.jpg,1,"{}",1,0,"{', "quotation mark", 2),
         (project(), "no line", None),
         (project(region("rect")), "no line of points but 1 × rect", None),
@@ -124,3 +124,17 @@ def test_errors(content: str | object, message: str, line: int | None) -> None:
 def test_other_files_are_not_claimed() -> None:
     for content in (b"", b"{}", b'{"shapes": []}', b"filename,x,y\n", b"line,x,y\n", b"\xff\x00"):
         assert not FORMATS["via"].recognises(Source("a.csv", content))
+
+
+def test_attributes_that_were_never_set_cost_only_the_label() -> None:
+    shape = '"{""name"":""polyline"",""all_points_x"":[1,2,3],""all_points_y"":[4,5,6]}"'
+    text = "filename,file_size,region_shape_attributes,region_attributes\n"
+    for attributes in ('{""edge"":""top""}', '{""edge"":undefined}', '{""edge"":', ""):
+        text += f'a.jpg,9,{shape},"{attributes}"\n'
+    assert [line.label for line in read(text).lines] == ["top", "1", "2", "3"]
+    project = (
+        '{"_via_img_metadata": {"a9": {"filename": "a", "regions": [{"shape_attributes": '
+        '{"name": "polyline", "all_points_x": [1, 2, 3], "all_points_y": [4, 5, 6]}, '
+        '"region_attributes": {"edge": undefined}}]}}}'
+    )
+    assert len(read(project, "via.json").lines) == 1

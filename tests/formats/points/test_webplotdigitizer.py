@@ -68,7 +68,7 @@ def test_empty_datasets_are_named_in_a_note() -> None:
         ("a,b,c,d\nX,Y,X,Y\n1,2,3,4\n", "names of the first row", 1),
         ("a,,b,\nX,Y,X,Y\n1,2,3,\n", "''", 3),
         ("a,,b,\nX,Y,X,Y\n1,2,3\n", "''", 3),
-        ("a,\nX,Y\n1,2\nNaN,2\n", "no finite number", 4),
+        ("a,\nX,Y\n1,2\nNaN,2\n", "not a finite number", 4),
         ("a,\nX,Y\n1,2,3\n", "more columns", 3),
         ("a,\nX,Y\n1,b\n", "'b'", 3),
         ("a,\nX,Y\n\n", "no line", None),
@@ -88,3 +88,9 @@ def test_errors(text: str, message: str, line: int | None) -> None:
 )
 def test_other_files_are_not_claimed(text: str) -> None:
     assert not FORMATS["webplotdigitizer"].recognises(Source("points.csv", text.encode()))
+
+
+def test_names_may_stand_over_both_columns() -> None:
+    text = "roof,roof,wall,wall\nX,Y,X,Y\n1,2,3,4\n5,6,7,8\n"
+    assert FORMATS["webplotdigitizer"].recognises(Source("a.csv", text.encode()))
+    assert [line.label for line in read(text).lines] == ["roof", "wall"]

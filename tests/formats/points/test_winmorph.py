@@ -112,9 +112,9 @@ def test_a_grid_back_and_forth() -> None:
         (GRID + GRID, SIZE, (2, 3), "the file holds 2", "--grid"),
         ("no shape\n0.1 0.2\n", SIZE, None, "no shape", "polyline"),
         ("Shape1\na\nb\nSets = 0\n0.1 0.2\n", SIZE, None, "no shape", "polyline"),
-        (ONE.replace("0.100000", "1e999"), SIZE, None, "inf 0.2 are no fractions", "0 to 1"),
-        (ONE.replace("0.100000", "1e308"), SIZE, None, "no fractions of the photo", "0 to 1"),
-        (GRID.replace("0.1000", "2.1000"), SIZE, (2, 3), "no fractions of the photo", "0 to 1"),
+        (ONE.replace("0.100000", "1e999"), SIZE, None, "inf 0.2 are not fractions", "0 to 1"),
+        (ONE.replace("0.100000", "1e308"), SIZE, None, "not fractions of the photo", "0 to 1"),
+        (GRID.replace("0.1000", "2.1000"), SIZE, (2, 3), "not fractions of the photo", "0 to 1"),
         ("", SIZE, None, "empty", ""),
     ],
 )

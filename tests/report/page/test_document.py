@@ -16,7 +16,7 @@ from lxml import html  # pyright: ignore[reportAttributeAccessIssue]
 
 from plumbline.models import MODELS
 from plumbline.report.figures import FIGURES
-from plumbline.report.page.document import Part, page_bytes
+from plumbline.report.page.document import Assignment, Part, page_bytes
 from plumbline.report.page.markup import document, table, tag
 from plumbline.report.photos import find_photos
 from plumbline.result.calibration import Calibration
@@ -29,7 +29,7 @@ ROOT = Path(__file__).parents[2]
 
 def page(made: Calibration, compared: Comparison | None = None) -> bytes:
     (found,) = find_photos([made], None)
-    return page_bytes([Part(made, found, compared)])
+    return page_bytes([Part(made, found, compared)], Assignment())
 
 
 def parsed(content: bytes) -> Any:
@@ -119,8 +119,10 @@ def test_the_order_of_its_content() -> None:
         "Suspicious picks",
         "Checks",
         "Models compared",
+        "Limits",
         "Notes",
         "How it was made",
+        "Picks",
     ]
     captions = [text(caption) for caption in root.xpath("//figcaption")]
     assert [c.partition(".")[0] for c in captions] == [
@@ -129,7 +131,8 @@ def test_the_order_of_its_content() -> None:
     first = root.xpath("//section/*")[0]
     assert text(first).startswith("Barrel distortion: -6.38 % (-92.4 px) at the corner")
     quote = text(root.xpath("//*[@class='quote']")[0])
-    assert quote.startswith("Error to quote: the correction is uncertain by")
+    assert quote.startswith("Verdict: usable within the limits below: the correction is uncertain")
+    assert "1 of 10 checks failed (line by line)" in quote
 
 
 def rows(root: Any, title: str) -> list[list[str]]:
@@ -237,6 +240,48 @@ def test_how_it_was_made() -> None:
     assert told["residuals"].endswith("(image)")
 
 
+def test_an_expert_finds_who_what_and_when() -> None:
+    made = building()
+    (photo,) = made.observations.photos
+    shot = replace(photo, taken="2021:06:12 10:24:31", serial="0730412345")
+    made = replace(made, observations=replace(made.observations, photos=(shot,)))
+    (found,) = find_photos([made], None)
+    root = parsed(page_bytes([Part(made, found)], Assignment("2026/17", f"A. {SCRIPT}")))
+    told = {text(term): text(term.getnext()) for term in root.xpath("//dl/dt")}
+    assert told["Case"] == "2026/17"
+    assert told["Examiner"] == f"A. {SCRIPT}"
+    assert told["serial number"] == "0730412345"
+    assert "taken 2021:06:12 10:24:31 (EXIF)" in told["photo"]
+    assert told["camera"] == "Canon EOS 450D"
+    limits = text(root.xpath("//h3[.='Limits']/following-sibling::ul")[0])
+    assert "focused as for facade.jpg" in limits
+    assert "the picks reach" in limits.casefold()
+
+
+def test_every_pick_is_listed_and_nothing_is_said_twice() -> None:
+    made = without_a_line()
+    root = parsed(page(made))
+    cells = root.xpath("//*[@class='picks']//tbody/tr")
+    assert len(cells) == made.observations.n_points
+    out = [row for row in cells if text(row).endswith("left out")]
+    assert len(out) == sum(int((~kept).sum()) for kept in made.kept)
+    notes = [text(note) for note in root.xpath("//h3[.='Notes']/following-sibling::ul[1]/li")]
+    assert not {check.sentence for check in made.checks} & set(notes)
+
+
+def test_a_model_that_fits_better_is_named_in_the_verdict() -> None:
+    made = building()
+    simple = Candidate("ptlens b", (), "ptlens", ("b",), made, "", 1.0, 0.5, 0.2)
+    own = Candidate("ptlens a, b, c", (), "ptlens", ("a", "b", "c"), made, "", 9.0, 0.4, 0.0)
+    root = parsed(page(made, Comparison((simple, own), 0, 0, "it is enough", quote="quote 9")))
+    verdict = text(root.xpath("//*[@class='quote']")[0])
+    assert "; ptlens b follows the picks better (AICc lower by 8)" in verdict
+    assert "quote 9" not in text(root)  # it is not the error of the model that was fitted
+    root = parsed(page(made, Comparison((simple, own), 1, 1, "it is enough", quote="quote 9")))
+    assert "better" not in text(root.xpath("//*[@class='quote']")[0])
+    assert "quote 9" in text(root)
+
+
 def test_every_model_names_its_source() -> None:
     for model in MODELS.values():
         assert model.source
@@ -251,15 +296,15 @@ def test_a_page_without_the_photo_says_so() -> None:
 
 def test_the_photo_is_a_jpeg_within_the_page() -> None:
     images = parsed(page(building())).xpath("//*[local-name()='image']")
-    assert len(images) == 1
-    links = [v for k, v in images[0].attrib.items() if k.endswith("href")]
-    assert links[0].startswith("data:image/jpeg;base64,")
+    links = [v for image in images for k, v in image.attrib.items() if k.endswith("href")]
+    assert len(links) == 2  # as photographed, and corrected
+    assert all(link.startswith("data:image/jpeg;base64,") for link in links)
 
 
 def test_several_lenses_get_a_section_each() -> None:
     made = [building(), hostile()]
     found = find_photos(made, None)
-    root = parsed(page_bytes([Part(m, f) for m, f in zip(made, found, strict=True)]))
+    root = parsed(page_bytes([Part(m, f) for m, f in zip(made, found, strict=True)], Assignment()))
     assert text(root.xpath("//h1")[0]) == "Lens calibration: 2 lenses"
     assert [text(t) for t in root.xpath("//section/h2")] == [
         "facade.jpg at 18 mm",

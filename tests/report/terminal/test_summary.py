@@ -13,8 +13,9 @@ from plumbline.frame import Frame
 from plumbline.geometry.lens import Lens
 from plumbline.models import get_model
 from plumbline.observations import Line, Observations, Photo
-from plumbline.report.terminal.summary import coefficients_table, finding_sentence, print_summary
+from plumbline.report.terminal.summary import coefficients_table, print_summary
 from plumbline.result.calibration import Calibration
+from plumbline.result.sentence import finding_sentence
 from plumbline.trust.bootstrap import Bootstrap
 from tests.report.made import building, without_a_line
 

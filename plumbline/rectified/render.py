@@ -18,12 +18,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plumbline.imaging.maps.sampling_map import Tile
-from plumbline.imaging.rectified.ground_map import GroundMap, TileMap
 from plumbline.imaging.resample import cores, one_tile
 from plumbline.photos.files.picture import Pixels
+from plumbline.rectified.ground_map import GroundMap, TileMap
 
 _MOST_SAMPLES = 8
 """Samples of a pixel across or down: chosen; beyond it the photo is halved first."""
+
+_ONCE = 0.25
+"""By how many photo pixels a pixel may exceed its samples: chosen, the cubic kernel bears it."""
 
 
 @dataclass(frozen=True)
@@ -75,7 +78,7 @@ class _Sampling:
         while max(stretch) / 2**level > _MOST_SAMPLES and level < 12:
             level += 1
         across, down = (
-            min(max(math.ceil(each / 2**level - 1e-3), 1), _MOST_SAMPLES) for each in stretch
+            min(max(math.ceil(each / 2**level - _ONCE), 1), _MOST_SAMPLES) for each in stretch
         )
         return cls(across, down, level)
 
@@ -115,8 +118,14 @@ class Renderer:
         def fill(tile: Tile) -> int:
             for part, places in self.ground.parts(tile):
                 filled, seen = self._part(part, places)
-                pixels[part][seen] = filled[seen]
                 shown[part] = seen
+                if seen.all():
+                    pixels[part] = filled
+                else:
+                    where = seen[..., None] if filled.ndim == 3 else seen
+                    np.copyto(pixels[part], filled, where=where)
+            if self.ground.fine(tile, 2).all():  # depth is linear: its ends are in the corners
+                return 0
             return int(np.count_nonzero(~self.ground.fine(tile)))
 
         coarse = 0
@@ -131,7 +140,8 @@ class Renderer:
         x, y = self.ground.places(tile, part, 1, 1)
         rows, columns = self.pixels.shape[:2]
         seen = (x >= -0.5) & (x <= columns - 0.5) & (y >= -0.5) & (y <= rows - 0.5)
-        seen &= self.ground.fine(tile)
+        if not self.ground.fine(tile, 2).all():
+            seen &= self.ground.fine(tile)
         how = _Sampling.of(part.stretch)
         pixels, level = self._halves.at(how.level)
         if (how.across, how.down) != (1, 1):

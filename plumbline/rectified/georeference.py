@@ -14,8 +14,8 @@ import numpy as np
 
 from plumbline.errors import OptionError
 from plumbline.ground.world_file import SUFFIXES, World
-from plumbline.imaging.rectified.grid import Grid
 from plumbline.photos.files.ifd import Field
+from plumbline.rectified.grid import Grid
 
 _SHORT, _DOUBLE = 3, 12
 _SCALE, _TIE_POINT, _TRANSFORMATION, _KEYS = 33550, 33922, 34264, 34735

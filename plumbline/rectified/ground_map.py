@@ -23,10 +23,10 @@ from plumbline.imaging.maps.sampling_map import (
     refined,
     weights,
 )
-from plumbline.imaging.rectified.grid import Grid, sides_of
+from plumbline.rectified.grid import Grid, farthest_depth
 
 _TILE, _SMALLEST = 256, 32
-_STEP = 8
+_STEP = 16
 _NEAR_PX = 64.0
 """How far outside of the photo a place still counts when an interpolation is judged; chosen."""
 
@@ -75,7 +75,7 @@ class GroundMap:
     def parts(self, tile: Tile) -> Iterator[tuple[Tile, TileMap]]:
         """The parts of a tile that may show anything, with their maps."""
         rows, columns = (each.stop - each.start for each in tile)
-        if not np.any(self.fine(tile, 2)):
+        if not np.any(self.fine(tile, 9)):
             return
         counts = [max(-(-(side - 1) // _STEP) + 1, 4) for side in (rows, columns)]
         fine = self._observed(tile, *(2 * count - 1 for count in counts))
@@ -131,9 +131,8 @@ class GroundMap:
         by_column, by_row = forward[:2] @ world.matrix
         first = forward[:2] @ (world.origin - self.camera.place[:2])
         start = float(first - forward[2] * self.camera.place[2])
-        return sides_of(self.camera, start + by_row * rows[:, None] + by_column * columns) <= (
-            self.coarsest_m
-        )
+        depths = start + by_row * rows[:, None] + by_column * columns
+        return (depths > 0) & (depths <= farthest_depth(self.camera, self.coarsest_m))
 
     def _near(self, places: Array) -> NDArray[np.bool_]:
         """Which places lie in the photo or near it; those that are nowhere do not."""

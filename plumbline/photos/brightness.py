@@ -1,4 +1,4 @@
-"""Pictures as the search for boards takes them: brightness alone, sampled anywhere."""
+"""Pictures as searches take them: brightness alone, sampled anywhere."""
 
 from __future__ import annotations
 

@@ -11,8 +11,12 @@ import numpy as np
 from plumbline.errors import OptionError
 from plumbline.files import read_bytes
 from plumbline.ground.rectification import Rectification
-from plumbline.imaging.rectified.georeference import epsg_code, geotiff, sidecars
-from plumbline.imaging.rectified.grid import (
+from plumbline.photos.exif import read_photo
+from plumbline.photos.files.encode import encode, format_of
+from plumbline.photos.files.metadata import Metadata, note_of
+from plumbline.photos.files.picture import Picture, Pixels, decode
+from plumbline.rectified.georeference import epsg_code, geotiff, sidecars
+from plumbline.rectified.grid import (
     COARSEST_M,
     RESOLUTION_M,
     Extent,
@@ -21,12 +25,8 @@ from plumbline.imaging.rectified.grid import (
     extent_of_points,
     grid_over,
 )
-from plumbline.imaging.rectified.ground_map import GroundMap
-from plumbline.imaging.rectified.render import Rendered, Renderer
-from plumbline.photos.exif import read_photo
-from plumbline.photos.files.encode import encode, format_of
-from plumbline.photos.files.metadata import Metadata, note_of
-from plumbline.photos.files.picture import Picture, Pixels, decode
+from plumbline.rectified.ground_map import GroundMap
+from plumbline.rectified.render import Rendered, Renderer
 
 Shown = Literal["points", "photo"]
 

@@ -128,7 +128,9 @@ def extent_of_photo(camera: Camera, coarsest_m: float) -> Extent:
     points = np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2)
     ground = camera.ground(points)
     good = np.isfinite(ground.sum(axis=1))
-    good[good] &= footprints(camera, ground[good]) <= coarsest_m
+    depths = (ground - camera.place[:2]) @ camera.rotation[2, :2]
+    depths -= camera.rotation[2, 2] * camera.height_m
+    good &= depths <= farthest_depth(camera, coarsest_m)
     if not good.any():
         raise OptionError(
             f"no part of the photo shows the ground at {coarsest_m:g} m a pixel or finer",
@@ -138,19 +140,11 @@ def extent_of_photo(camera: Camera, coarsest_m: float) -> Extent:
     return float(left), float(bottom), float(right), float(top)
 
 
-def footprints(camera: Camera, places_m: Array) -> Array:
-    """The longest side of a photo's pixel on the ground at places, shape (n, 2) → (n,).
+def farthest_depth(camera: Camera, coarsest_m: float) -> float:
+    """The depth along the optical axis up to which a photo's pixel is no longer than this.
 
-    Infinite where a place is not before the camera. The lens's own stretch is left out.
+    A pixel is depth/f wide across the ray; along it the plane slants by depth/height. The lens's
+    own stretch is left out.
     """
-    v = (np.column_stack((places_m, np.zeros(len(places_m)))) - camera.place) @ camera.rotation.T
-    return sides_of(camera, v[:, 2])
-
-
-def sides_of(camera: Camera, depths: Array) -> Array:
-    """The longest side of a photo's pixel on the ground by its depth along the optical axis.
-
-    A pixel is depth/f wide across the ray; along it the plane slants by depth/height.
-    """
-    depth = np.where(depths > 0, depths, np.inf)
-    return depth / camera.focal_px * np.maximum(depth / camera.height_m, 1.0)
+    across = coarsest_m * camera.focal_px
+    return min(across, float(np.sqrt(across * camera.height_m)))

@@ -16,25 +16,25 @@ from plumbline.ground.camera import Camera
 from plumbline.ground.optics import Optics
 from plumbline.ground.rectification import Rectification
 from plumbline.ground.world_file import World, read_world
-from plumbline.imaging.rectified import grid as grids
-from plumbline.imaging.rectified.georeference import epsg_code, geotiff
-from plumbline.imaging.rectified.grid import Grid, grid_over
-from plumbline.imaging.rectified.ground_map import GroundMap
-from plumbline.imaging.rectified.picture import (
+from plumbline.lenses.mapping import TURNS, PhotoLens
+from plumbline.models import get_model
+from plumbline.photos.files.metadata import Metadata
+from plumbline.photos.files.tiff_writing import with_metadata
+from plumbline.rectified import grid as grids
+from plumbline.rectified.georeference import epsg_code, geotiff
+from plumbline.rectified.grid import Grid, grid_over
+from plumbline.rectified.ground_map import GroundMap
+from plumbline.rectified.picture import (
     PictureRequest,
     RectifiedPicture,
     picture_files,
     rectify_picture,
     upright,
 )
-from plumbline.imaging.rectified.render import Renderer
-from plumbline.lenses.mapping import TURNS, PhotoLens
-from plumbline.models import get_model
-from plumbline.photos.files.metadata import Metadata
-from plumbline.photos.files.tiff import with_metadata
+from plumbline.rectified.render import Renderer
 from tests.ground.scenes import Scene
 from tests.ground.test_camera import camera_of
-from tests.imaging.rectified.painted import checker, photograph
+from tests.rectified.painted import checker, photograph
 from tests.truth import Array
 
 rasterio = pytest.importorskip("rasterio")

@@ -1,0 +1,122 @@
+"""`plumbline pair` without its parsing: two pictures, or a table of matches, to a lens."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+from plumbline.errors import OptionError, PlumblineError
+from plumbline.files import is_same, read_bytes
+from plumbline.formats.base import Source
+from plumbline.formats.points.matches import read_matches
+from plumbline.imaging.upright import photo_of, read_upright
+from plumbline.observations import Origin
+from plumbline.observations.facts import LensFacts
+from plumbline.pairs.calibrate import calibrate_pair
+from plumbline.photos.exif import PhotoFacts, read_photo
+from plumbline.reading.photo import note_on_orientation, with_exif
+from plumbline.result.pair import PairCalibration
+
+
+def from_pictures(
+    original: str, corrected: str, labels: Mapping[str, Any], **how: Any
+) -> PairCalibration:
+    """Calibrate from two pictures.
+
+    Args:
+        original: The picture as the lens shows it.
+        corrected: The corrected one.
+        labels: What the user says of the lens, by the names of `LensFacts`; None where nothing.
+        how: As `calibrate_pair`.
+
+    Raises:
+        PlumblineError: as `read_upright` and `calibrate_pair`; the sentence names the files.
+    """
+    from pathlib import Path
+
+    if is_same(Path(original), corrected):
+        raise OptionError(
+            f"{original}: the two pictures are one file", hint="name an original and its correction"
+        )
+    first, second = read_upright(original), read_upright(corrected)
+    notes = note_on_orientation(first.facts, first.facts.size)
+    facts = _facts([first.facts, second.facts], labels, notes)
+    made = _named(
+        f"{original} and {corrected}",
+        original=first.pixels,
+        corrected=second.pixels,
+        facts=facts,
+        name=first.facts.name,
+        **how,
+    )
+    origins = (
+        Origin(original, "photo", checksum=first.sha256),
+        Origin(corrected, "photo", checksum=second.sha256),
+    )
+    whole = _with(made, notes, origins)
+    observations = replace(whole.observations, photos=(photo_of(first),))
+    return replace(whole, observations=observations)
+
+
+def from_points(
+    path: str,
+    photo: str | None,
+    size: tuple[int, int] | None,
+    labels: Mapping[str, Any],
+    **how: Any,
+) -> PairCalibration:
+    """Calibrate from a table of matches.
+
+    Args:
+        path: The table.
+        photo: The original, for its size and EXIF.
+        size: The original's size, where the photo is not at hand.
+        labels: As for `from_pictures`.
+        how: As `calibrate_pair`.
+
+    Raises:
+        PlumblineError: as `read_matches` and `calibrate_pair`.
+    """
+    source = Source(path, read_bytes(path))
+    points = read_matches(source)
+    notes: list[str] = []
+    known = None if photo is None else read_photo(photo)
+    if known is not None and size is not None and known.size != size:
+        raise OptionError(
+            f"{photo} is {known.size[0]}x{known.size[1]}, and --size says {size[0]}x{size[1]}",
+            hint="leave out --size",
+        )
+    facts = _facts([] if known is None else [known], labels, notes)
+    made = _named(
+        path,
+        points=points,
+        size=size if known is None else known.size,
+        facts=facts,
+        name="" if known is None else known.name,
+        **how,
+    )
+    return _with(made, notes, (Origin(path, "csv", source.content),))
+
+
+def _facts(photos: list[PhotoFacts], labels: Mapping[str, Any], notes: list[str]) -> LensFacts:
+    """What EXIF tells of the lens, the original's first, and what the user says."""
+    told = LensFacts()
+    for photo in reversed(photos):
+        told = with_exif(told, [photo], notes)
+    given = {name: value for name, value in labels.items() if value is not None}
+    if "crop_factor" in given:
+        given["crop_factor_error"] = None
+    return replace(told, **given)
+
+
+def _named(what: str, **how: Any) -> PairCalibration:
+    try:
+        return calibrate_pair(**how)
+    except PlumblineError as error:
+        raise type(error)(f"{what}: {error.message}", hint=error.hint) from None
+
+
+def _with(made: PairCalibration, notes: list[str], origins: tuple[Origin, ...]) -> PairCalibration:
+    observations = replace(made.observations, notes=tuple(notes), origins=origins)
+    return replace(made, observations=observations)
