@@ -1,3 +1,5 @@
+from numpy.typing import NDArray
+
 """Paints a road, photographs it at eye height, surveys it, and writes `sample_projects/road`.
 
 Run from the top of the repository: `python -m tests.render.road [folder]`.
@@ -106,7 +108,7 @@ def _tyre(y: Array) -> Array:
     return x1 + (x2 - x1) * share**1.4
 
 
-def place_of_rays(road: Road, rays: Array) -> tuple[Array, Array]:
+def place_of_rays(road: Road, rays: Array) -> tuple[Array, NDArray[np.bool_]]:
     """Places on the uneven road that rays meet, and which of them go down at all."""
     down = rays[..., 1]
     good = down > 1e-4
