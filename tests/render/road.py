@@ -1,5 +1,3 @@
-from numpy.typing import NDArray
-
 """Paints a road, photographs it at eye height, surveys it, and writes `sample_projects/road`.
 
 Run from the top of the repository: `python -m tests.render.road [folder]`.
@@ -16,6 +14,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 from PIL import Image
 
 from . import optics, photo

@@ -102,7 +102,7 @@ def _seen(path: str, inner: tuple[int, int] | None, width_px: int) -> Seen:
         tuple(lines_of(search.boards)),
         (facts,),
         tuple(notes),
-        (Origin(path, "photo", checksum=photo.sha256),),
+        (Origin(path, "photo", checksum=photo.identity.sha256),),
     ).checked()
     return Seen(path, search.boards, "", observations, drawing)
 

@@ -49,7 +49,7 @@ def ground_page(stored: StoredRectification, pixels: NDArray[np.uint8] | None) -
     return document(head, body)
 
 
-def _section(stored: StoredRectification, pixels: Array | None) -> Iterator[Node]:
+def _section(stored: StoredRectification, pixels: NDArray[np.uint8] | None) -> Iterator[Node]:
     found = stored.rectification
     yield from _camera(found)
     shown = "" if pixels is not None else " The photo itself is not at hand."
