@@ -294,7 +294,7 @@ def test_hold_takes_from_what_is_free() -> None:
         ({"residual": "picture"}, "image or corrected"),
         ({"start": {"b": float("nan")}}, "not finite"),
         ({"start": {"a": float("inf")}}, "not finite"),
-        ({"model": "spline"}, "no distortion model 'spline'"),
+        ({"model": "spline"}, "'spline' is not a distortion model"),
         ({"model": "opencv"}, "focal"),
     ],
 )
