@@ -866,7 +866,7 @@ def test_an_interrupt_ends_without_a_traceback(tmp_path: Path, delay: float) -> 
     assert b"Abort" not in err
     # Python ends by the signal itself where it fell into code made from text; shells say 130.
     assert running.returncode in (130, -signal.SIGINT)
-    assert err.endswith(b"Stopped: no file was written but those named above.\n")
+    assert err.endswith(b"Stopped; only the files named above were written.\n")
     assert out == b""
     assert sorted(path.name for path in tmp_path.iterdir() if path.name != "cache") == ["x.pto"]
 
