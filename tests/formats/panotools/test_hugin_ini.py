@@ -33,7 +33,7 @@ def test_a_fisheye_keeps_its_kind() -> None:
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [
-        ("hello", "no Hugin lens file"),
+        ("hello", "not a Hugin lens file"),
         ("[Other]\na=1\n", "no [Lens]"),
         ("[Lens]\ntype=0\n", "no a, b, c"),
         ("[Lens]\na=1_0\nb=0\nc=0\n", "not a finite number"),

@@ -100,13 +100,15 @@ def test_recognised() -> None:
 
 
 @pytest.mark.parametrize(
-    "text", ['{"contenttype":"com.ptgui.project_pro"}', ' \r\n{\n"fileversion"']
+    ("text", "match"),
+    [
+        ('{"contenttype":"com.ptgui.project_pro"}', r"^a\.pts: 'project' is missing"),
+        (' \r\n{\n"fileversion"', r"^a\.pts, row 3: the JSON is broken"),
+    ],
 )
-def test_newer_projects_are_refused_by_name(text: str) -> None:
+def test_newer_projects_that_are_damaged_are_refused(text: str, match: str) -> None:
     assert format_of(Source("a.pts", text.encode())).name == "ptgui"
-    with pytest.raises(
-        ReadError, match=r"^a\.pts: this is a project of PTGui 12 or newer"
-    ) as caught:
+    with pytest.raises(ReadError, match=match) as caught:
         read(text, "a.pts")
     assert caught.value.hint
 

@@ -99,7 +99,7 @@ def test_xy_coordinates() -> None:
         (" ,X,Y,Group\n1,1,NaN,1\n2,3,4,2\n", "not a finite number"),
         (" ,Group,X,Y\n1,1,5\n2,2,3,4\n", "no X or Y"),
         (" ,Area,Mean\n1,2,3\n", "has no columns X and Y"),
-        (" ,X,Y,Group\n" + "1,1,2,3\n" * 3_000_000, "no Results table"),
+        (" ,X,Y,Group\n" + "1,1,2,3\n" * 3_000_000, "not a Results table"),
     ],
 )
 def test_errors_of_tables(text: str, message: str) -> None:
@@ -206,7 +206,7 @@ CROWD = b"PK\x03\x04" + b"PK\x01\x02" * (MAX_ENTRIES + 1)
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        (b"Iout", "no ImageJ selection"),
+        (b"Iout", "not an ImageJ selection"),
         (roi(POLYLINE, EDGE)[:70], "cut off or broken"),
         (roi(OVAL, EDGE), "no line of points but 1 × oval"),
         (roi(POLYLINE, EDGE)[:64] + b"\xff" * 99, "not a finite number"),
