@@ -27,6 +27,8 @@ _LENS_INFO = re.compile(rb"LensInfo\s*(?:=\s*[\"']|>)\s*(\d{1,9})/(\d{1,9}) (\d{
 _XMP_LENS = re.compile(
     rb"(?:exifEX:LensModel|aux:Lens)\s*(?:=\s*[\"']|>(?:\s*<rdf:Alt>\s*<rdf:li[^>]*>)?)([^\"'<]{3,200})"
 )
+RANGE_ALONE = re.compile(r"[\d.]+(-[\d.]+)? ?mm( f/[\d.]+(-[\d.]+)?)?", re.IGNORECASE)
+"""What programs write where they know a lens's focal lengths and not its name."""
 _TAKEN, _CHANGED = 0x9003, 0x0132
 _NO_LENS = ("none", "unknown", "no lens", "dt 0.0mm f0.0 sam")
 
@@ -148,7 +150,7 @@ def _lens_name(tags: dict[int, Any], packet: bytes, by_maker: str) -> tuple[str,
     if found is not None:
         text = unescape(found.group(1).decode("utf-8", "replace"))
         name = " ".join("".join(c if c.isprintable() else " " for c in text).split())[:120]
-        if any(character.isdigit() for character in name):
+        if any(character.isdigit() for character in name) and not RANGE_ALONE.fullmatch(name):
             return name, "XMP"
     return (by_maker, "the maker notes") if by_maker else ("", "")
 

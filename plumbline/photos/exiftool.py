@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from plumbline.photos.exif import PhotoFacts
+from plumbline.photos.exif import RANGE_ALONE, PhotoFacts
 
 _SECONDS_TO_START, _SECONDS_A_PHOTO = 30.0, 2.0
 """Chosen: exiftool takes 0.3 s to start and 0.02 s a photo on a slow disk."""
@@ -84,6 +84,7 @@ def _name_in(row: Mapping[str, Any]) -> str:
     for tag in _TAGS:
         text = " ".join(str(row.get(tag, "")).split())[:300]
         known = not text.casefold().startswith(_UNKNOWN) and text.isprintable()
+        known = known and not RANGE_ALONE.fullmatch(text)
         if known and any(c.isdigit() for c in text) and any(c.isalpha() for c in text):
             return text
     return ""

@@ -229,3 +229,11 @@ def test_originals(
     assert found.facts.camera == camera
     assert found.facts.focal_mm == pytest.approx(focal_mm)
     assert found.facts.crop_factor == crop_factor
+
+
+def test_a_range_of_focal_lengths_is_not_a_name(tmp_path: Path) -> None:
+    xmp = b'<x:xmpmeta><rdf:Description aux:Lens="18.0-55.0 mm f/3.5-5.6"/></x:xmpmeta>'
+    Image.new("RGB", (60, 40)).save(tmp_path / "a.jpg", xmp=xmp)
+    assert read_photo(tmp_path / "a.jpg").facts.model == ""
+    Image.new("RGB", (60, 40)).save(tmp_path / "b.jpg", xmp=xmp.replace(b"18.0", b"AF-S 18.0"))
+    assert read_photo(tmp_path / "b.jpg").facts.model == "AF-S 18.0-55.0 mm f/3.5-5.6"

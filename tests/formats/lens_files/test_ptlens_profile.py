@@ -69,7 +69,11 @@ def test_what_is_written_is_read_again() -> None:
         ("begin lens\nmultiplier: x\nend\n", 2, "'x' stands where the value of multiplier"),
         ("begin lens\nmultiplier: 0\nend\n", 2, "not above zero"),
         ("begin lens\nmenu_lens: a\nend\n", 1, "has no multiplier"),
-        ("begin lens\nmultiplier: 1\ncal_abc: 1 2\nend\n", 3, "not hold a focal length, a, b and c"),
+        (
+            "begin lens\nmultiplier: 1\ncal_abc: 1 2\nend\n",
+            3,
+            "not hold a focal length, a, b and c",
+        ),
         ("begin lens\nmultiplier: 1\ncal_abc: 1 nan 0 0\nend\n", 3, "not a finite number"),
         ("begin lens\nbegin camera\n", 2, "before the last one ended"),
         ("begin lens\nmultiplier: 1\n", None, "cut off"),
