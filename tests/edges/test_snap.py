@@ -93,7 +93,7 @@ def test_two_lenses_are_snapped_one_at_a_time() -> None:
 
 
 def test_an_array_that_is_no_picture() -> None:
-    with pytest.raises(plumbline.OptionError, match="no picture"):
+    with pytest.raises(plumbline.OptionError, match="not a picture"):
         plumbline.snap(rough(), np.zeros((600, 900, 5)))
 
 
