@@ -21,8 +21,7 @@ from plumbline.frame import Array
 from plumbline.photos.brightness import Grey
 
 LEAST_SQUARES = 4
-"""Squares that must meet in a board's first corner; chosen, because in photographs without boards
-none of 2,000 clutters had them."""
+"""Squares that must meet in a board's first corner; chosen, because clutter seldom has them."""
 
 _AWAY = 0.2
 """How far from its predicted place a corner may lie, as a share of the side of a square."""

@@ -22,8 +22,7 @@ _AROUND = 40
 
 _LEAP = 1.6
 """How much longer than the edge behind a corner the one ahead may be: two boards side by side
-must not grow together. In the rendered photographs, 45° and strong barrel included, it is at most
-1.35 times as long (`python -m tests.benchmarks.boards`)."""
+must not grow together; chosen, because tilts to 45° and strong barrel stretch it less."""
 
 _ALONG = np.linspace(0.2, 0.8, 7)
 """Where along an edge contrast is measured, away from its ends' blur."""

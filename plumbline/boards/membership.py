@@ -24,8 +24,8 @@ _TRIED = 4
 """How many of the oddest corners are tried; chosen, as a stray has at most four neighbours."""
 
 IRREGULAR = 0.1
-"""Median offset, as a share of a square, from which corners do not lie as a grid: boards of the
-strongest action camera had 0.04, one on a screen with moiré 0.12 (the same benchmark)."""
+"""Median offset, as a share of a square, from which corners do not lie as a grid: chosen, between
+strong barrel in trials (0.04) and a board on a screen with moiré (0.12)."""
 
 
 def belonging(board: Board) -> Board:

@@ -20,8 +20,8 @@ from plumbline.result.calibration import Calibration
 from plumbline.trust.linearised import in_frame
 
 _UNEVEN = 1.5
-"""How many times worse equal squares must fit than lines do; chosen, as rendered boards without a
-seam have 0.9 to 1.1 (`python -m tests.benchmarks.boards`)."""
+"""How many times worse equal squares must fit than lines do; chosen, well above the 1 of boards
+without a seam."""
 
 _LEAST = 12
 """Corners of a board that tell its spacing; a homography takes four of them."""

@@ -33,8 +33,8 @@ _APART_PX = 1.0
 """Features closer together are one: they err together and would count twice."""
 
 _LEAST = 30
-"""Matches that must agree on one scale and shift; chosen: of 4,000 wrong ones 4 did
-(`python -m tests.benchmarks.pairs`)."""
+"""Matches that must agree on one scale and shift; chosen, because only a few wrong ones
+agree by chance."""
 
 _AGREE = 0.02
 """How far matches may lie from their common scale and shift, as a share of the longer side: what a

@@ -33,7 +33,7 @@ calibrations of photographic lenses report values up to 0.002."""
 HELD_SPREAD, RICHER_SPREAD = 1.0, 0.2
 """What a power of r that is held, and one that the model lacks, moves the corner by, as shares of
 the lens's largest radial displacement: chosen, because the first may be as large as what is
-fitted, and the second are small beside it in `tests.benchmarks.outside`, whose groups decide."""
+fitted, and the second is small beside it; not yet tuned on `tests.benchmarks.outside`."""
 
 LEAST_PX = 0.5
 """The least that such a term moves the corner by: chosen, because no lens is free of it, and less

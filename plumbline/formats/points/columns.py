@@ -32,8 +32,8 @@ _FEWEST = 3
 _LESS_SCATTER = 0.25
 """Scatter about each group's parabola over that about one of all points, at most.
 
-Chosen: columns that name lines have below 0.05 in all files at hand, others (visibility,
-quality, direction, part of the building) above 0.5.
+Chosen: columns that name lines change seldom, others (visibility, quality, direction, part of the
+building) often.
 """
 
 _ALIKE = 1.5
