@@ -32,8 +32,8 @@ _FEWEST = 3
 _LESS_SCATTER = 0.25
 """Scatter about each group's parabola over that about one of all points, at most.
 
-Chosen: columns that name lines change seldom, others (visibility, quality, direction, part of the
-building) often.
+Chosen: a column that names lines leaves far less scatter, others (visibility, quality, direction,
+part of the building) about as much as none.
 """
 
 _ALIKE = 1.5
