@@ -16,7 +16,10 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 SAMPLES = Path(__file__).parents[1] / "sample_projects"
-FOLDERS = sorted(path.parent for path in SAMPLES.glob("*/expected.json"))
+PHOTO = SAMPLES / "facade_photo"
+"""The one without picks."""
+
+FOLDERS = sorted(path.parent for path in SAMPLES.glob("*/expected.json") if path.parent != PHOTO)
 
 
 def _run(folder: Path, arguments: list[str]) -> str:
@@ -81,14 +84,32 @@ def test_a_sample_project_comes_out_at_its_truth(folder: Path, tmp_path: Path) -
         assert _furthest_apart_px(truth, dict.fromkeys("abc", 0.0), size) > 5
 
 
+def test_the_photo_without_picks_comes_out_at_its_truth(tmp_path: Path) -> None:
+    work = tmp_path / PHOTO.name
+    shutil.copytree(PHOTO, work)
+    expected = json.loads((PHOTO / "expected.json").read_text())
+    before = set(work.iterdir())
+    result: dict[str, Any] = json.loads(_run(work, [*expected["command"], "--json"]))
+    assert {path.name for path in set(work.iterdir()) - before} == set(expected["outputs"])
+    found = result.get("calibrations", [result])[0]
+    size = found["observations"]["photos"][0]["size"]
+    truth = expected["truth"]["coefficients"]
+    abc = {name: found["coefficients"][name] for name in "abc"}
+    assert _furthest_apart_px(truth, abc, size) < expected["curve_within_px"]
+    assert _furthest_apart_px(truth, dict.fromkeys("abc", 0.0), size) > 5
+
+
 def test_every_folder_is_a_sample() -> None:
     folders = {path for path in SAMPLES.iterdir() if path.is_dir()}
-    assert folders == {*FOLDERS, SAMPLES / "road"}  # which has tests of its own
-    names = {"board", "building", "facade_csv", "grid_winmorph", "pair", "road", "zoom"}
+    assert folders == {*FOLDERS, PHOTO, SAMPLES / "road"}  # which has tests of its own
+    names = {
+        *("board", "building", "facade_csv", "facade_photo", "grid_winmorph"),
+        *("pair", "road", "zoom"),
+    }
     assert {path.name for path in folders} == names
 
 
 def test_readmes_show_the_command_that_is_tested() -> None:
-    for folder in FOLDERS:
+    for folder in (*FOLDERS, PHOTO):
         command = json.loads((folder / "expected.json").read_text())["command"]
         assert "plumbline " + " ".join(command) in (folder / "README.md").read_text()

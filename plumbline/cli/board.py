@@ -29,7 +29,7 @@ _FOR_THE_FIT = (
 )
 
 
-@click.command("board", help=_HELP, short_help="Calibrate from photographs of a chequerboard.")
+@click.command("board", help=_HELP)
 @click.argument("photos", nargs=-1, required=True, metavar="PHOTO...")
 @click.option(
     "--inner",

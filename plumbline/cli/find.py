@@ -21,9 +21,7 @@ Examples:
 """
 
 
-@click.command(
-    "find", help=_HELP, short_help="Find a photograph's long straight edges without picks."
-)
+@click.command("find", help=_HELP)
 @click.argument("photo")
 @click.option(
     "-o",

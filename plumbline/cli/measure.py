@@ -23,7 +23,7 @@ Examples:
 """
 
 
-@click.command("measure", help=_HELP, short_help="Measure in a rectified photograph.")
+@click.command("measure", help=_HELP)
 @click.argument("picks", required=False)
 @click.option(
     "--from",

@@ -29,7 +29,6 @@ Examples:
 @click.command(
     "pick",
     help=_HELP,
-    short_help="Pick lines on a page in the browser, with the fit running while you click.",
 )
 @click.argument("sources", metavar="PHOTO... [POINTS]", nargs=-1, required=True)
 @click.option("--no-browser", is_flag=True, help="Print the page's address, and open no browser.")

@@ -8,7 +8,7 @@ import click
 
 from plumbline.cli import lens_options, option_types as types, options
 
-_HELP = """Rectify a photograph of a plane to scale, and say how sure it is.
+_HELP = """Rectify a photograph of a plane to scale.
 
 PHOTO shows a road, a floor or another plane. --points names a file of match points: where each is
 seen in the photo (pixels) and where it lies on the plane (metres), as x,y,X,Y,name,sigma; QGIS's
@@ -26,7 +26,7 @@ Examples:
 """
 
 
-@click.command("rectify", help=_HELP, short_help="Rectify a photograph of a plane to scale.")
+@click.command("rectify", help=_HELP)
 @click.argument("photo")
 @click.option("--points", required=True, metavar="MATCH", help="Match points: x,y,X,Y,name,sigma.")
 @click.option("--tapes", metavar="FILE", help="Tape distances: from,to,metres,sigma.")

@@ -49,17 +49,17 @@ def command(
     from plumbline.report.writing import check_targets
     from plumbline.result.files import read_calibrations
 
+    page = output
+    if page is None and not plots:
+        page = str(Path(result).with_suffix(".html"))
+    with options.wrong_call():
+        check_targets(page, plots)
     if is_rectification(result):
         if plots:
             raise click.UsageError("--plot is for calibrations; leave it out")
         target = draw_ground(result, output, photo, overwrite=overwrite)
         click.echo(f"Wrote {printable(str(target))}")
         return
-    page = output
-    if page is None and not plots:
-        page = str(Path(result).with_suffix(".html"))
-    with options.wrong_call():
-        check_targets(page, plots)
     calibrations = read_calibrations(result)
     contents, notes = draw(
         calibrations,

@@ -22,7 +22,7 @@ Examples:
 """
 
 
-@click.command("snap", help=_HELP, short_help="Move picks onto the photograph's edges.")
+@click.command("snap", help=_HELP)
 @click.argument("points")
 @options.reading
 @click.option(

@@ -145,7 +145,7 @@ def _compared(green: Light, other: Light, line: Traced, frame: Frame) -> _Compar
     except GuideError:
         return None
     strips = [cut(image, guide, _REACH_PX, rows_for(guide), _PER_PX) for image in (green, other)]
-    profile = profile_of(strips[0], line.kind if line.kind else "either")
+    profile = profile_of(strips[0], line.kind or "either")
     seen = [measured(guide, strip, profile, _WINDOW_PX) for strip in strips]
     both = seen[0].good & seen[1].good
     if both.sum() < 3:
@@ -213,4 +213,4 @@ def _solved(parts: Sequence[_Compared], weight: Array, number: int) -> Array:
         effect = part.effect_px[:, :number]
         normal += each / len(effect) * effect.T @ effect
         right += each / len(effect) * effect.T @ part.gap_px
-    return np.linalg.lstsq(normal, right, rcond=None)[0]
+    return np.asarray(np.linalg.lstsq(normal, right, rcond=None)[0], dtype=np.float64)

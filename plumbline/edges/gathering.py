@@ -92,7 +92,7 @@ def gathered(ends: Array, lens: Lens, scale: float, *, seeds: int | None = None)
         seeds: Number of pieces that lines are begun with; all long ones by default.
     """
     ideal = lens.undistort_or_nan(ends)
-    known = np.isfinite(ideal).all(axis=(1, 2))
+    known = np.asarray(np.isfinite(ideal).all(axis=(1, 2)))
     ideal = np.where(known[:, None, None], ideal, 0.0)
     way = ideal[:, 1] - ideal[:, 0]
     length = np.hypot(way[:, 0], way[:, 1])

@@ -36,6 +36,10 @@ _FAMILY = 4
 """Lines of one direction that a lens can be fitted to by themselves."""
 
 _GRID = 9
+_MISSING = 3
+"""Borders without a long edge from which nothing is vouched for (chosen, because edges near two of
+them show the bend at all radii of the lens)."""
+
 _NEAR = 0.6
 """Distance from the photo's middle over half its side from which a line is near a border."""
 
@@ -82,7 +86,7 @@ def judged(lines: Sequence[Array], frame: Frame) -> Verdict:
     worst = float(np.max(error)) if error is not None else np.inf
     worst = max(worst, apart)
     missing = borders_missing(lines, frame)
-    if missing:
+    if len(missing) >= _MISSING:
         return Verdict(worst, f"no long edge runs near the {joined(missing)} of the photo")
     limit = VOUCHED * 2 * frame.corner_radius * frame.radius_px
     if not np.isfinite(worst):

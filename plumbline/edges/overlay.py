@@ -30,10 +30,8 @@ def drawn(pixels: NDArray[Any], lines: Sequence[Traced]) -> NDArray[np.uint8]:
     """
     scale = min(1.0, _WIDE_PX / max(pixels.shape[:2]))
     size = [max(1, round(side * scale)) for side in pixels.shape[1::-1]]
-    small = cv2.resize(pixels, size, interpolation=cv2.INTER_AREA)
-    if small.dtype == np.uint16:
-        small = small >> 8
-    picture = small.astype(np.uint8)
+    small = np.asarray(cv2.resize(pixels, size, interpolation=cv2.INTER_AREA))
+    picture = (small // 256 if small.dtype == np.uint16 else small).astype(np.uint8)
     made = cv2.cvtColor(picture, cv2.COLOR_GRAY2BGR) if picture.ndim == 2 else picture[..., :3]
     made = np.ascontiguousarray(made)
     for number, line in enumerate(lines, start=1):

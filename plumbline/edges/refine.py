@@ -188,7 +188,7 @@ class _Smooth:
 
 def _powers(along: Array, low: float, high: float, number: int) -> Array:
     at = (2 * along - low - high) / (high - low)
-    return np.polynomial.legendre.legvander(at, number - 1)
+    return np.asarray(np.polynomial.legendre.legvander(at, number - 1), dtype=np.float64)
 
 
 def _robust_fit(samples: Samples) -> _Smooth | None:
@@ -199,10 +199,12 @@ def _robust_fit(samples: Samples) -> _Smooth | None:
     low, high = float(samples.along[0]), float(samples.along[-1])
     number = 4 if np.ptp(along) > 0.5 * (high - low) and len(along) >= 12 else 2
     powers = _powers(along, low, high, number)
-    weight, c = np.ones(len(along)), np.zeros(number)
+    weight: Array = np.ones(len(along))
+    c: Array = np.zeros(number)
     for _ in range(8):
         normal = (powers * weight[:, None]).T @ powers + 1e-9 * np.eye(number)
-        c = np.linalg.solve(normal, (powers * weight[:, None]).T @ offset)
+        solved = np.linalg.solve(normal, (powers * weight[:, None]).T @ offset)
+        c = np.asarray(solved, dtype=np.float64)
         gap = offset - powers @ c
         scatter = max(_FLOOR_PX, 1.4826 * float(np.median(np.abs(gap))))
         weight = np.maximum(1 - (gap / (_TUKEY * scatter)) ** 2, 1e-6) ** 2

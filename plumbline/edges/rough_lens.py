@@ -105,8 +105,8 @@ def polynomial(
     radius = np.linspace(0.02, frame.corner_radius, 50)
     powers = np.stack([radius**power for power in _POWERS], axis=-1)
     solved = np.linalg.lstsq(powers, 1 / (1 + l1 * radius**2) - 1, rcond=None)[0]
-    first = np.concatenate((solved, np.zeros(2)))
-    free = np.arange(len(first) if centre else len(_POWERS))
+    first: Array = np.concatenate((solved, np.zeros(2))).astype(np.float64)
+    free = list(range(len(first) if centre else len(_POWERS)))
     tight = np.array([1 / _PRIOR**2] * len(_POWERS) + [1 / _CENTRE**2] * 2)[free]
     c = first.copy()
     for _ in range(_STEPS):

@@ -69,7 +69,7 @@ class Traced:
         errors_px: Standard error of each across the edge, shape (n,).
         support: Share of the way between the picks with this edge under it, 0 to 1.
         kind: "rising" or "falling" light to the right of or below the edge, "dark" for a groove,
-            "bright" for a wire, "either" for a change of both signs; "" where there is none.
+            "bright" for a wire, "either" for a change of both signs; None where there is none.
         width_px: Standard deviation of its blur.
         distance_px: Root mean square distance of the picks from it.
         rivals: Other edges that the picks could mean, the best first.
@@ -79,7 +79,7 @@ class Traced:
     points_px: Array
     errors_px: Array
     support: float = 0.0
-    kind: Kind | str = ""
+    kind: Kind | None = None
     width_px: float = 0.0
     distance_px: float = 0.0
     rivals: tuple[Rival, ...] = ()

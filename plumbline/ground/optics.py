@@ -9,14 +9,13 @@ the model no point has an image; there are ghosts else, ground that maps back in
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 
 from plumbline.frame import Array
 from plumbline.lenses.mapping import PhotoLens
-from plumbline.models import Model
-from plumbline.models.inverse import REACH, first_fold, invert
+from plumbline.models.inverse import REACH
 
 _COMPLEX_STEP = 1e-30
 """Step of derivatives by coefficients: W. Squire and G. Trapp (1998), exact at any small size."""
@@ -118,10 +117,6 @@ class Optics:
         frame = self.lens.frame
         return REACH * frame.corner_radius * frame.radius_px / self.lens.unit_px
 
-    @property
-    def _fold(self) -> float | None:
-        return _fold_of(self.lens.model, self.lens.coefficients, self._reach)
-
     def _inside(self, points_px: Array, *, ideal: bool) -> Array:
         """Pixels to normalised coordinates from the lens's centre, as the sensor lies."""
         centre = self.lens.ideal_centre if ideal else self.lens.observed_centre
@@ -136,24 +131,14 @@ class Optics:
         return self.lens.frame.to_pixels(turned, self.lens.unit_px) + shift
 
     def _run(self, points: Array, *, ideal: bool) -> Array:
-        model, c = self.lens.model, self._vector
-        if self._forward != ideal:
-            return invert(model, c, points, self._reach)
-        mapped = np.stack(model.apply(points[..., 0], points[..., 1], c), axis=-1)
-        if self._fold is not None:
-            mapped[np.hypot(points[..., 0], points[..., 1]) > self._fold] = np.nan
-        return mapped
+        mapping = self.lens.model.distort if ideal else self.lens.model.undistort
+        return mapping(points, self._vector, self._reach)
 
     def _by_coefficient(self, points: Array, index: int) -> Array:
         c = self._vector.astype(np.complex128)
         c[index] += 1j * _COMPLEX_STEP
         mapped = np.stack(self.lens.model.apply(points[:, 0], points[:, 1], c), axis=-1)
         return np.imag(mapped) / _COMPLEX_STEP
-
-
-@lru_cache(maxsize=64)
-def _fold_of(model: Model, coefficients: tuple[float, ...], reach: float) -> float | None:
-    return first_fold(model, np.array(coefficients), reach)
 
 
 def _inverse(matrices: Array) -> Array:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,6 +13,7 @@ from plumbline.lenses.mapping import TURNS
 from plumbline.observations import Photo
 from plumbline.photos.exif import PhotoFacts, read_photo
 from plumbline.photos.files.picture import Picture, Pixels, decode
+from plumbline.photos.identity import Identity, identity_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,12 +23,12 @@ class Upright:
     Attributes:
         pixels: 8 or 16 bits, grey (h, w) or blue, green, red (h, w, 3).
         facts: What the file says of itself.
-        sha256: Of the file's bytes, in hexadecimal.
+        identity: Which photograph it is: checksum, moment and camera.
     """
 
     pixels: Pixels
     facts: PhotoFacts
-    sha256: str
+    identity: Identity
 
 
 def read_upright(path: str | Path) -> Upright:
@@ -38,17 +38,20 @@ def read_upright(path: str | Path) -> Upright:
         ReadError: the file is missing, damaged or not a picture.
     """
     facts = read_photo(path)
-    data = read_bytes(path)
-    pixels = turned(_plain(decode(data, path)), facts.orientation)
-    return Upright(pixels, facts, hashlib.sha256(data).hexdigest())
+    pixels = turned(_plain(decode(read_bytes(path), path)), facts.orientation)
+    return Upright(pixels, facts, identity_of(path))
 
 
 def photo_of(photo: Upright) -> Photo:
     """The photograph as observations have it."""
     height, width = photo.pixels.shape[:2]
-    facts = photo.facts
+    which = photo.identity
     return Photo(
-        (width, height), facts.name, sha256=photo.sha256, taken=facts.taken, serial=facts.serial
+        (width, height),
+        photo.facts.name,
+        sha256=which.sha256,
+        taken=which.taken,
+        serial=which.serial,
     )
 
 

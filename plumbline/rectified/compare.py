@@ -95,10 +95,10 @@ def _colours(picture: Picture) -> tuple[Pixels, NDArray[np.bool_]]:
     """Colours without alpha, and where the picture shows anything."""
     pixels = picture.pixels
     if picture.alpha:
-        alpha = pixels[..., -1] > 0
+        alpha = np.asarray(pixels[..., -1] > 0)
         bare = pixels[..., :-1]
         return (bare[..., 0] if bare.shape[2] == 1 else bare), alpha
-    shown = pixels.any(axis=-1) if pixels.ndim == 3 else pixels > 0
+    shown = np.asarray(pixels.any(axis=-1) if pixels.ndim == 3 else pixels > 0)
     return pixels, shown
 
 
@@ -130,4 +130,5 @@ def _grey(pixels: Pixels) -> NDArray[np.uint8]:
         return pixels
     if pixels.shape[2] == 2:
         return np.ascontiguousarray(pixels[..., 0])
-    return np.asarray(cv2.cvtColor(np.ascontiguousarray(pixels[..., :3]), cv2.COLOR_BGR2GRAY))
+    grey = cv2.cvtColor(np.ascontiguousarray(pixels[..., :3]), cv2.COLOR_BGR2GRAY)
+    return np.asarray(grey, dtype=np.uint8)

@@ -105,7 +105,7 @@ def measure(group: Group, trials: int, *, control: bool = False) -> Row:
 
 def main() -> None:
     """Print the table."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--trials", type=int, default=1000)
     parser.add_argument("--only", default="")
     parser.add_argument("--control", action="store_true")

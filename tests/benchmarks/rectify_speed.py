@@ -73,7 +73,7 @@ def _best(run: Callable[[], object], repeats: int) -> float:
 
 def main() -> None:
     """Print the times."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--megapixels", type=float, default=12.0)
     found = times(parser.parse_args().megapixels)
     print(

@@ -167,9 +167,8 @@ def bound(group: Group) -> Array:
     information = rows.T @ rows + datum.T @ datum * 1e12
     covariance = np.linalg.inv(information)
     first = 9 + 3 * len(ground)
-    return np.stack(
-        [covariance[i : i + 2, i : i + 2] for i in range(first, first + 3 * len(checks), 3)]
-    )
+    blocks = [covariance[i : i + 2, i : i + 2] for i in range(first, first + 3 * len(checks), 3)]
+    return np.asarray(np.stack(blocks), dtype=np.float64)
 
 
 def _datum(u: Array, group: Group) -> Array:

@@ -54,9 +54,11 @@ def test_a_remedy_is_one(tmp_path: Path) -> None:
     """--size goes with points, not with photographs."""
     assert "--size" not in plumb(tmp_path, "correct", "missing.jpg", status=1).stderr
     (tmp_path / "p.csv").write_text("1,2\n")
-    (tmp_path / "p.bin").write_bytes(bytes(range(256)))
+    (tmp_path / "p.bin").write_text("hello")
     arguments = ("correct", "--points", "p.bin", "--size", "9x9", *PTLENS)
-    assert "--format: plumbline convert takes that" in plumb(tmp_path, *arguments, status=1).stderr
+    told = plumb(tmp_path, *arguments, status=1).stderr
+    assert "name it with --format" in told
+    assert ": plumbline convert takes that, and makes a CSV" in told
     photo(tmp_path / "a.jpg")
     done = plumb(tmp_path, "correct", "a.jpg", "--lens", "p.bin", status=1)
     assert "p.bin: this file holds no lens that is known here" in done.stderr
@@ -270,7 +272,7 @@ def test_pixels_the_other_way(tmp_path: Path) -> None:
         (
             ("correct", "--points", "p.csv", "--size", "9x9", *PTLENS, "--suffix", "x/y"),
             1,
-            "the suffix 'x/y' is not part of a file name",
+            "the suffix 'x/y' cannot be part of a file name",
         ),
         (("correct", "a.jpg", *PTLENS, "-o", "no/b.jpg"), 1, "folder does not exist"),
         (("correct", "a.jpg", *PTLENS, "--border", "transparent"), 1, "cannot be transparent"),

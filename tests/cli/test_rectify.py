@@ -73,7 +73,7 @@ FAILURES = {
 
 @pytest.mark.parametrize(("how", "lines", "match"), FAILURES.values(), ids=FAILURES.keys())
 def test_failures_are_one_sentence_and_write_nothing(
-    tmp_path: Path, how: list[str], lines: list[object], match: str
+    tmp_path: Path, how: list[str], lines: list[list[object]], match: str
 ) -> None:
     path, points = photo(tmp_path), matches(tmp_path, lines)
     before = set(tmp_path.iterdir())

@@ -62,6 +62,7 @@ def test_no_second_function_maps_points() -> None:
         "models": {"apply", "invert"},  # the equation itself, and its mapping both ways
         "fit/program": {"apply"},  # compiled, with the excess beyond the fold as a penalty
         "geometry/derivatives.py": {"apply"},  # by coefficients, at points mapped already
+        "ground/optics.py": {"apply"},  # by coefficients, at points mapped already
         "writing/refit.py": {"apply"},  # the unknown model of a least-squares problem
         "lenses/zoom/needs.py": {"apply"},  # one polynomial against another, no picture
     }

@@ -77,7 +77,8 @@ def edges(folder: Path, header: str = "line,x,y", last: Sequence[str] = ()) -> s
     for name, x in (("left", -1.75), ("right", 1.75)):
         along = np.geomspace(8, 60, 8)
         places = np.column_stack((np.full(8, x), along))
-        lines += [[name, *pick, *last] for pick in SCENE.photo(places).tolist()]
+        picks: list[list[object]] = SCENE.photo(places).tolist()
+        lines += [[name, *pick, *last] for pick in picks]
     return csv(folder, "edges.csv", lines, header)
 
 

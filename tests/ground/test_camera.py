@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -75,12 +76,12 @@ def test_the_ground_above_the_horizon_is_nowhere() -> None:
     assert np.isnan(camera.project(np.array([[0.0, -5.0, 0.0]]))).all(), "behind the camera"
 
 
-def differences(function: object, count: int, step: float) -> Array:
+def differences(function: Callable[[Array], Array], count: int, step: float) -> Array:
     columns: list[Array] = []
     for index in range(count):
         move = np.zeros(count)
         move[index] = step
-        columns.append((function(move) - function(-move)) / (2 * step))  # type: ignore[operator]
+        columns.append((function(move) - function(-move)) / (2 * step))
     return np.stack(columns, axis=-1)
 
 

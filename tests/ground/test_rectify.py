@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -261,7 +262,7 @@ BAD_REQUESTS = {
 
 @pytest.mark.parametrize(("request_", "match"), BAD_REQUESTS.values(), ids=BAD_REQUESTS.keys())
 def test_bad_requests_are_refused_in_one_sentence(
-    tmp_path: Path, request_: dict[str, object], match: str
+    tmp_path: Path, request_: dict[str, Any], match: str
 ) -> None:
     lines = {"lines": edges(tmp_path)} if {"parallel", "horizon"} & set(request_) else {}
     with pytest.raises(PlumblineError, match=match):

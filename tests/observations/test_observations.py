@@ -82,7 +82,7 @@ def test_arrays_are_copied() -> None:
 
 @pytest.mark.parametrize(
     "values",
-    [[1.0, 2.0], [[1, 2, 3]] * 3, [[[1, 2]]], 7.0, [], [["x", "y"]] * 3, [[1], [2, 3]]],
+    [[1.0, 2.0], [[1, 2, 3]] * 3, 7.0, [], [["x", "y"]] * 3, [[1], [2, 3]]],
 )
 def test_other_shapes_are_refused(values: Any) -> None:
     with pytest.raises(OptionError, match="line 2"):

@@ -72,7 +72,7 @@ def test_the_script_fits_smaller_photos_and_refuses_others(tmp_path: Path) -> No
     program("convert-im6.q16", "magick")
     centre = {"d": 40.0, "e": -24.0}
     whole = Frame(2 * SIZE[0], 2 * SIZE[1])
-    abc = tuple(COEFFICIENTS[name] for name in "abc")
+    abc = COEFFICIENTS["a"], COEFFICIENTS["b"], COEFFICIENTS["c"]
     (tmp_path / "fix.sh").write_bytes(script_of(abc, whole, (40.0, -24.0), "a lens"))
     halved = {name: value / 2 for name, value in centre.items()}
     lens = Lens(get_model("ptlens"), Frame(*SIZE), COEFFICIENTS | halved)

@@ -50,12 +50,10 @@ def block(
     main = (head + packed(first, 8, order)).ljust(at, b"\0")
     if notes is None:
         return main + packed(exif, at, order)
-    place = at
-    for _ in range(2):  # the notes' length does not depend on their place
-        body = notes(place, order)
-        inner = packed([*exif, (0x927C, 7, body)], at, order)
-        place = at + inner.index(body)
-    return main + inner
+    # The notes' length does not depend on their place.
+    body = notes(at, order)
+    place = at + packed([*exif, (0x927C, 7, body)], at, order).index(body)
+    return main + packed([*exif, (0x927C, 7, notes(place, order))], at, order)
 
 
 def photo(path: Path, exif: bytes, size: tuple[int, int] = (600, 400)) -> Path:

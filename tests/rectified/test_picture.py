@@ -8,6 +8,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from PIL import Image, ImageOps
 
 from plumbline.errors import OptionError, ReadError
@@ -67,7 +68,7 @@ def saved(tmp_path: Path, pixels: Array, name: str = "photo.png") -> Path:
     return path
 
 
-def rendered(photo: Array, grid: Grid, coarsest: float = 0.5) -> tuple[Array, Array]:
+def rendered(photo: Array, grid: Grid, coarsest: float = 0.5) -> tuple[Array, NDArray[np.bool_]]:
     pixels = np.rint(photo).astype(np.uint8)
     made = Renderer(pixels, GroundMap(camera(), grid, coarsest), threads=1).render((0.0,))
     return made.pixels.astype(float), made.shown

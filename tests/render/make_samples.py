@@ -87,6 +87,18 @@ ZOOM = (
         STATION, seed=419, count=10, taken="2023:05:21 09:21:30",
     ),
 )  # fmt: skip
+OFFICE_TOWER = Facade(
+    bays=14, storeys=6, bay=3.1, storey=3.2, pier_every=2, pier=0.45,
+    wall=(186, 178, 160), trim=(230, 226, 216), frame=(46, 50, 56), seed=71,
+    neighbours=((150, 120, 100), (166, 164, 158)), neighbour_heights=(17.0, 21.0),
+)  # fmt: skip
+UNPICKED = Exposure(
+    "facade.jpg",
+    View(optics.G15_6, Pose(21.5, 10.0, 27.0, yaw=2, pitch=2.5, roll=-0.5), 2048, 1536),
+    OFFICE_TOWER, seed=503, count=0, taken="2022:09:03 11:20:05",
+)  # fmt: skip
+UNPICKED_WITHIN_PX = 0.3
+
 EXPOSURES = {
     "building": (BUILDING,),
     "facade_csv": (CSV,),
@@ -117,6 +129,17 @@ def expected(command: Sequence[str], stem: str, rest: Mapping[str, object]) -> s
     outputs = [f"{stem}.fit.pto", f"{stem}.fit.xml"]
     known = {"noise_px": picks.NOISE_PX, "curve_within_px": CURVE_WITHIN_PX, "outputs": outputs}
     content = {"command": list(command), **rest, **known}
+    return json.dumps(content, indent=2, ensure_ascii=False) + "\n"
+
+
+def _of_photo_alone(exposure: Exposure) -> str:
+    """Return the `expected.json` of a photograph without picks."""
+    content = {
+        "command": ["fit", exposure.name],
+        "truth": truth(exposure.view),
+        "curve_within_px": UNPICKED_WITHIN_PX,
+        "outputs": ["facade.fit.pto", "facade.fit.xml"],
+    }
     return json.dumps(content, indent=2, ensure_ascii=False) + "\n"
 
 
@@ -151,6 +174,7 @@ def texts() -> dict[str, str]:
         "grid_winmorph/expected.json": expected(
             grid_fit, "grid", {"truth": truth(GRID.view), "n_picks": rows * columns, **grid_tally}
         ),
+        "facade_photo/expected.json": _of_photo_alone(UNPICKED),
         "zoom/zoom.pto": writers.hugin(zoom),
         "zoom/expected.json": expected(["fit", "zoom.pto"], "zoom", {"lenses": lenses}),
         **make_others.texts(),
@@ -163,7 +187,7 @@ def main(target: Path = TARGET) -> None:
         path = target / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8", newline="\n")
-    for folder, exposures in EXPOSURES.items():
+    for folder, exposures in {**EXPOSURES, "facade_photo": (UNPICKED,)}.items():
         for each in exposures:
             picture = photo.take(each.view, painting.paint(each.facade), each.seed)
             photo.save(picture, each.view, target / folder / each.name, each.taken)

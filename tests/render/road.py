@@ -14,6 +14,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 from PIL import Image
 
 from . import optics, photo
@@ -106,7 +107,7 @@ def _tyre(y: Array) -> Array:
     return x1 + (x2 - x1) * share**1.4
 
 
-def place_of_rays(road: Road, rays: Array) -> tuple[Array, Array]:
+def place_of_rays(road: Road, rays: Array) -> tuple[Array, NDArray[np.bool_]]:
     """Places on the uneven road that rays meet, and which of them go down at all."""
     down = rays[..., 1]
     good = down > 1e-4

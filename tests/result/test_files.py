@@ -339,7 +339,7 @@ REPLACEMENTS: list[Any] = [
 
 LATER = (
     *("exif_make", "exif_model", "suspects", "robust", "bootstrap", "command"),
-    *("left_out", "sha256"),
+    *("left_out", "sha256", "taken", "serial", "corrected_px", "pair"),
 )
 
 

@@ -101,7 +101,7 @@ def test_a_richer_model_that_the_picks_can_neither_want_nor_refuse() -> None:
         for factor, verdict in ((0.9, (True, False)), (1.1, (True, True)), (9.0, (False, False))):
             size = factor * sure.worst_px
             told = replace(more, largest_px=size, error_px=sure.worst_px)
-            object.__setattr__(made.trust.besides, "unlike", lambda _group: False)
+            object.__setattr__(made.trust.besides, "unlike", lambda _group: False)  # pyright: ignore[reportUnknownLambdaType]
             object.__setattr__(made.trust, "model_error", told)
             (check,) = [c for c in after_fit(made.trust) if c.name == "model"]
             assert (check.passed, check.doubtful) == verdict

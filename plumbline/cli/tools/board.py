@@ -8,7 +8,6 @@ from pathlib import Path
 
 import click
 
-from plumbline.boards.array import brightness
 from plumbline.boards.find import look_for_boards
 from plumbline.boards.overlay import Drawing, drawn, sheet, width_of_each
 from plumbline.boards.spacing import spacing
@@ -25,6 +24,7 @@ from plumbline.imaging.upright import photo_of, read_upright
 from plumbline.observations import Observations, Origin
 from plumbline.observations.board import Board, lines_of
 from plumbline.observations.facts import LensFacts
+from plumbline.photos.brightness import brightness
 from plumbline.reading.photo import note_on_orientation, with_exif
 from plumbline.reading.points import join
 from plumbline.result.calibration import Calibration
@@ -102,7 +102,7 @@ def _seen(path: str, inner: tuple[int, int] | None, width_px: int) -> Seen:
         tuple(lines_of(search.boards)),
         (facts,),
         tuple(notes),
-        (Origin(path, "photo", checksum=photo.sha256),),
+        (Origin(path, "photo", checksum=photo.identity.sha256),),
     ).checked()
     return Seen(path, search.boards, "", observations, drawing)
 

@@ -51,8 +51,8 @@ def from_pictures(
         **how,
     )
     origins = (
-        Origin(original, "photo", checksum=first.sha256),
-        Origin(corrected, "photo", checksum=second.sha256),
+        Origin(original, "photo", checksum=first.identity.sha256),
+        Origin(corrected, "photo", checksum=second.identity.sha256),
     )
     whole = _with(made, notes, origins)
     observations = replace(whole.observations, photos=(photo_of(first),))

@@ -53,7 +53,7 @@ def _one(traced: Traced) -> str:
 
     error = px(float(np.median(traced.errors_px)))
     return (
-        f"{_KINDS.get(traced.kind, 'edge')} under {100 * traced.support:.0f} %, "
+        f"{_KINDS.get(traced.kind or '', 'edge')} under {100 * traced.support:.0f} %, "
         f"{count(len(traced.points_px), 'sample')} to {error} each, the picks "
         f"{px(traced.distance_px)} away"
     )

@@ -7,6 +7,7 @@ from importlib.resources import files
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from plumbline._version import __version__
 from plumbline.files import MARK
@@ -21,7 +22,7 @@ from plumbline.report.page.markup import Element, Node, document, table, tag
 from plumbline.report.terminal.rectification import BUDGET, ahead
 
 
-def ground_page(stored: StoredRectification, pixels: Array | None) -> bytes:
+def ground_page(stored: StoredRectification, pixels: NDArray[np.uint8] | None) -> bytes:
     """The page of a rectification.
 
     Args:
@@ -48,7 +49,7 @@ def ground_page(stored: StoredRectification, pixels: Array | None) -> bytes:
     return document(head, body)
 
 
-def _section(stored: StoredRectification, pixels: Array | None) -> Iterator[Node]:
+def _section(stored: StoredRectification, pixels: NDArray[np.uint8] | None) -> Iterator[Node]:
     found = stored.rectification
     yield from _camera(found)
     shown = "" if pixels is not None else " The photo itself is not at hand."

@@ -283,7 +283,7 @@ def test_a_line_with_more_wrong_than_right_picks_is_no_line() -> None:
     assert {pick for told in made.suspects for pick in told.picks} == set(range(12))
     rests = [told for told in made.suspects if told.kind == "no line"]
     assert len(rests) == 1
-    assert f"{len(rests[0].picks)} picks of line 11 left out" in rests[0].sentence
+    assert "too few picks of line 11 agree on a straight line" in rests[0].sentence
     assert all(told.kind in ("no line", "stray", "other line") for told in made.suspects)
     # They are measured from a line of their own.
     assert 20 < made.lines[10].rms_after_px < 90

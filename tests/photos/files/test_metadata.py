@@ -228,8 +228,8 @@ def test_exif_of_every_size_up_to_the_segment_s_limit(
         assert len(block) == size
         Image.fromarray(texture((64, 48))).save(tmp_path / "a.png")
         layouts.photo(tmp_path / "a.jpg", block, (160, 120))
-        for _ in range(2):  # the second time over the first result
-            done = plumbline.correct(tmp_path / "a.jpg", BARREL)
+        plumbline.correct(tmp_path / "a.jpg", BARREL)
+        done = plumbline.correct(tmp_path / "a.jpg", BARREL)  # over the first result
         found = _fields_of(done.output)
         assert found[0x010F].rstrip(b"\0") == b"A maker"
         assert found[0x927C] == b"\xaa" * filling

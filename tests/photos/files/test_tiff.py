@@ -120,7 +120,7 @@ def test_orientations(
     """The picture is turned once: pixels as stored, with their tag."""
     pixels = pixels_of(channels, dtype)
     kind = "minisblack" if channels == 1 else "rgb"
-    alpha = {"extrasamples": ["unassalpha"]} if channels == 4 else {}
+    alpha: dict[str, Any] = {"extrasamples": ["unassalpha"]} if channels == 4 else {}
     tag = (274, 3, 1, orientation, True)
     tifffile.imwrite(
         tmp_path / "a.tif", pixels, photometric=kind, extratags=[tag], metadata=None, **alpha
