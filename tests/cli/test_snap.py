@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import numpy as np
@@ -33,7 +32,7 @@ def test_snap_writes_points_that_fit_reads_without_being_told_their_size(
     assert sum(each.startswith("line ") for each in done.out.splitlines()) == number
     back = plumbline.read(project / "picks.json")
     assert back.photos[0].size == SMALL
-    assert json.loads((project / "picks.json").read_text())["imagePath"] == "wall.png"
+    assert back.photos[0].name == "wall.png"
     direct = plumbline.snap(rough(), project / "wall.png").observations
     for one, other in zip(back.lines, direct.lines, strict=True):
         np.testing.assert_allclose(one.points_px, other.points_px, atol=1e-9)
@@ -63,7 +62,7 @@ def test_fit_snaps_first_and_the_summary_counts(run: Run, project: Path) -> None
         (("snap", "picks.csv", "--size", "900x600"), "the photo of the picks is not beside"),
         (("snap", "picks.csv", "--photo", "no.png"), "there is no such photo"),
         (("snap", "picks.csv", "--photo", "picks.csv"), "picture"),
-        (("snap", "picks.csv", "--photo", "small.png"), "lies outside the 450x300 photo"),
+        (("snap", "picks.csv", "--photo", "small.png"), "lie outside the 450x300 photo"),
         (("snap", "picks.csv", "--photo", "wall.png", "-o", "wall.png.csv"), ""),
         (("fit", "picks.csv", "--size", "900x600", "--snap"), "is not beside the points"),
     ],

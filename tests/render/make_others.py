@@ -35,13 +35,13 @@ def texts() -> dict[str, str]:
         "n_points": points,
         "n_lines": lines,
         "curve_within_px": 0.5,
-        "outputs": ["board.json", "board.jpg", "board.fit.pto", "board.fit.xml"],
+        "outputs": ["board.json", "board.jpg", "board.fit.pto"],
     }
     both = {
         "command": ["pair", *PAIR_NAMES],
         "truth": _truth(board.KIT) | {"scale": PAIR.scale},
         "curve_within_px": 0.5,
-        "outputs": ["developed.fit.pto", "developed.fit.xml"],
+        "outputs": ["developed.fit.pto"],
     }
     return {
         "board/expected.json": json.dumps(boards, indent=2) + "\n",
