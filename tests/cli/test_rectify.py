@@ -67,7 +67,7 @@ FAILURES = {
     "degrees": (["--crs", "4326"], rows(), "is in degrees"),
     "two corners": (["--right-angle", "A,B"], rows(), "does not name three points"),
     "format": (["-o", "out.xyz"], rows(), "cannot be written as .xyz"),
-    "lens": (["--ptlens", "q=1"], rows(), "q is no coefficient"),
+    "lens": (["--ptlens", "q=1"], rows(), "q is not a coefficient"),
 }
 
 
