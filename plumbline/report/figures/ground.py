@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from plumbline.errors import printable
 from plumbline.frame import Array
@@ -23,7 +24,7 @@ _BEYOND = 1.6
 """How far ahead the plan reaches, over the distance of the farthest point; chosen."""
 
 
-def photo_figure(found: Rectification, pixels: Array | None) -> Any:
+def photo_figure(found: Rectification, pixels: NDArray[np.uint8] | None) -> Any:
     """The photo with the points, the quadrilateral around them, and magnified residuals."""
     width, height = found.camera.optics.lens.frame.size
     figure = style.sheet(FULL, FULL * height / width)
