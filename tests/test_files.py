@@ -133,7 +133,7 @@ def test_what_is_no_file_is_never_replaced(folder: Path, overwrite: bool) -> Non
     (folder / "folder.pto").mkdir()
     os.mkfifo(folder / "pipe.pto")
     for name in ("folder.pto", "pipe.pto", "/dev/null"):
-        with pytest.raises(WriteError, match="no regular file"):
+        with pytest.raises(WriteError, match="is not a regular file"):
             refuse_to_clobber(Path(name), [], overwrite=overwrite)
     with pytest.raises(WriteError, match="cannot be written: File name too long"):
         refuse_to_clobber(Path("x" * 300), [], overwrite=overwrite)

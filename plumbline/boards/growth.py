@@ -117,14 +117,14 @@ def _found(smooth: Grey, lattice: Lattice) -> Lattice:
     """Corners in the empty cells beside a board."""
     said = {cell: prediction(lattice, cell) for cell in frontier(lattice)}
     expected = [Expected(cell, *what) for cell, what in said.items() if what is not None]
-    made: Lattice = {}
+    corners: Lattice = {}
     for each, corner in _sought(smooth, expected):
         near = {i: lattice.get(beside(each.cell, step)) for i, step in enumerate(STEPS)}
         known = {i: other for i, other in near.items() if other is not None}
         faintest = min(other.contrast for other in known.values())
         if corner.contrast[0] >= _FAINT * faintest and (found := _fitting(corner, known)):
-            made[each.cell] = found
-    return made
+            corners[each.cell] = found
+    return corners
 
 
 class Expected(NamedTuple):

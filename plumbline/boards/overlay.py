@@ -34,21 +34,21 @@ def drawn(image: NDArray[Any], boards: Sequence[Board], name: str, width_px: int
     """
     scale = min(1.0, width_px / image.shape[1])
     size = (round(image.shape[1] * scale), max(round(image.shape[0] * scale), 1))
-    made = cv2.resize(_eight_bits(image), size, interpolation=cv2.INTER_AREA)
-    made = cv2.cvtColor(made, cv2.COLOR_GRAY2BGR) if made.ndim == 2 else made
+    drawing = cv2.resize(_eight_bits(image), size, interpolation=cv2.INTER_AREA)
+    drawing = cv2.cvtColor(drawing, cv2.COLOR_GRAY2BGR) if drawing.ndim == 2 else drawing
     thick = max(1, round(max(size) / 800))
     for board in boards:
         places = np.rint(((board.corners_px + 0.5) * scale - 0.5) * 16).astype(np.int32)
         for line, members in board.lines():
             kind, _, number = line.partition(" ")
             colour = _LINES[kind == "column"]
-            cv2.polylines(made, [places[members]], False, colour, thick, cv2.LINE_AA, 4)
-            _label(made, number, places[members[0]] // 16, colour, thick)
+            cv2.polylines(drawing, [places[members]], False, colour, thick, cv2.LINE_AA, 4)
+            _label(drawing, number, places[members[0]] // 16, colour, thick)
         for x, y in places.tolist():
-            cv2.circle(made, (x, y), 3 * thick * 16, _CORNER, thick, cv2.LINE_AA, 4)
+            cv2.circle(drawing, (x, y), 3 * thick * 16, _CORNER, thick, cv2.LINE_AA, 4)
     told = f"{name}: {sum(map(len, boards))}" if boards else f"{name}: no board"
-    _label(made, told, np.array([10, 28 * thick]), _NAME if boards else _NOTHING, 2 * thick)
-    return np.asarray(made, dtype=np.uint8)
+    _label(drawing, told, np.array([10, 28 * thick]), _NAME if boards else _NOTHING, 2 * thick)
+    return np.asarray(drawing, dtype=np.uint8)
 
 
 def width_of_each(photos: int) -> int:
@@ -78,8 +78,10 @@ def _eight_bits(image: NDArray[Any]) -> Any:
     return np.ascontiguousarray(np.clip(colours, 0, 255).astype(np.uint8))
 
 
-def _label(made: Any, text: str, at: NDArray[Any], colour: tuple[int, int, int], size: int) -> None:
+def _label(
+    drawing: Any, text: str, at: NDArray[Any], colour: tuple[int, int, int], size: int
+) -> None:
     place = (int(at[0]), int(at[1]))
     plain = text.encode("ascii", "replace").decode()  # OpenCV's letters know no others
     for shade, thick in (((0, 0, 0), size + 2), (colour, max(size // 2, 1))):
-        cv2.putText(made, plain, place, cv2.FONT_HERSHEY_SIMPLEX, 0.4 * size, shade, thick)
+        cv2.putText(drawing, plain, place, cv2.FONT_HERSHEY_SIMPLEX, 0.4 * size, shade, thick)

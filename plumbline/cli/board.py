@@ -98,5 +98,5 @@ def command(
     wishes = Wishes(model, free, hold or (), None, "image", True, bootstrap)
     parts = split_by_lens(whole, labels_of(how))
     fitted = fit_lenses(parts, wishes, narration)
-    made = [tool.with_remarks(each, found, targets.points) for each in fitted]
-    deliver(made, str(targets.points), narration, also=files, **delivery)
+    calibrations = [tool.with_remarks(each, found, targets.points) for each in fitted]
+    deliver(calibrations, str(targets.points), narration, also=files, **delivery)

@@ -76,18 +76,19 @@ def command(
     facts = {names.get(name, name): value for name, value in labels.items() if value is not None}
     place = Path(output) if output else None
     if target == "stmap":
-        made = _stmap(result, place, image)
+        exported = _stmap(result, place, image)
     else:
-        made = export_file(result, target, place, image, facts, force=force)
-    refuse_to_clobber(made.path, [result], overwrite=overwrite)
-    write_atomically({made.path: made.content})
-    if made.deviation_px is not None:
+        exported = export_file(result, target, place, image, facts, force=force)
+    refuse_to_clobber(exported.path, [result], overwrite=overwrite)
+    write_atomically({exported.path: exported.content})
+    if exported.deviation_px is not None:
         click.echo(
-            f"Refitted to {made.model}: at most {made.deviation_px:.3f} px off over the photo."
+            f"Refitted to {exported.model}: "
+            f"at most {exported.deviation_px:.3f} px off over the photo."
         )
-    for note in made.notes:
+    for note in exported.notes:
         click.echo(f"Note: {printable(note)}.")
-    click.echo(f"Wrote {printable(str(made.path))}")
+    click.echo(f"Wrote {printable(str(exported.path))}")
 
 
 def _stmap(result: str, output: Path | None, image: int | None) -> ExportedFile:

@@ -95,5 +95,5 @@ def command(
         from plumbline.cli.tools.snap import snapped
 
         parts = [each.observations for each in snapped(parts, how["photo"], narration)]
-    made = fit_lenses(parts, wishes, narration)
-    deliver(made, points[0], narration, photo=how["photo"], **delivery)
+    calibrations = fit_lenses(parts, wishes, narration)
+    deliver(calibrations, points[0], narration, photo=how["photo"], **delivery)

@@ -74,9 +74,9 @@ def command(
     narration = Console(stderr=True)
     with narration.status("Matching…"):
         if points is not None:
-            made = tool.from_points(points, original, size, labels, **fit)
+            calibration = tool.from_points(points, original, size, labels, **fit)
         elif original is not None and corrected is not None:
-            made = tool.from_pictures(original, corrected, labels, **fit)
+            calibration = tool.from_pictures(original, corrected, labels, **fit)
         else:
             raise click.UsageError("name an original and a corrected picture, or --points FILE")
-    deliver([made], original or points or "", narration, photo=original, **delivery)
+    deliver([calibration], original or points or "", narration, photo=original, **delivery)

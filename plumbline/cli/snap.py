@@ -56,16 +56,16 @@ def command(
         refuse_unknown_suffix(target, POINT_SUFFIXES, "points")
     observations = read([points], image=image, **how)
     points_bytes(observations, target, overwrite=overwrite)  # refuses before the work, not after
-    made = snapped([observations], how["photo"], Console(stderr=True))[0]
-    written = write_points(made.observations, target, overwrite=overwrite)
+    result = snapped([observations], how["photo"], Console(stderr=True))[0]
+    written = write_points(result.observations, target, overwrite=overwrite)
     if not quiet:
-        for sentence in described(made):
+        for sentence in described(result):
             click.echo(printable(sentence))
-    for note in dict.fromkeys((*observations.notes, *made.notes)):
+    for note in dict.fromkeys((*observations.notes, *result.notes)):
         click.echo(f"Note: {printable(note)}.", err=True)
     click.echo(
-        f"Wrote {printable(str(written))}: {made.n_snapped} of "
-        f"{count(len(made.lines), 'line')} snapped, "
-        f"{count(made.observations.n_points, 'point')}."
+        f"Wrote {printable(str(written))}: {result.n_snapped} of "
+        f"{count(len(result.lines), 'line')} snapped, "
+        f"{count(result.observations.n_points, 'point')}."
     )
     click.echo(f"Next: plumbline fit {printable(str(written))}")

@@ -202,5 +202,7 @@ def _observed(photograph: Photograph, points: Sequence[Array], verdict: Verdict)
     error = f"; their correction is uncertain by {px(verdict.error_px)}" if verdict.vouched else ""
     notes = (*photograph.notes, told + error)
     facts = () if photograph.facts is None else (photograph.facts.facts,)
-    made = Observations((photo,), lines, notes=notes)
-    return Observations(made.photos, made.lines, facts or made.lenses, made.notes)
+    observations = Observations((photo,), lines, notes=notes)
+    return Observations(
+        observations.photos, observations.lines, facts or observations.lenses, observations.notes
+    )

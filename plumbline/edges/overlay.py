@@ -32,20 +32,20 @@ def drawn(pixels: NDArray[Any], lines: Sequence[Traced]) -> NDArray[np.uint8]:
     size = [max(1, round(side * scale)) for side in pixels.shape[1::-1]]
     small = np.asarray(cv2.resize(pixels, size, interpolation=cv2.INTER_AREA))
     picture = (small // 256 if small.dtype == np.uint16 else small).astype(np.uint8)
-    made = cv2.cvtColor(picture, cv2.COLOR_GRAY2BGR) if picture.ndim == 2 else picture[..., :3]
-    made = np.ascontiguousarray(made)
+    drawing = cv2.cvtColor(picture, cv2.COLOR_GRAY2BGR) if picture.ndim == 2 else picture[..., :3]
+    drawing = np.ascontiguousarray(drawing)
     for number, line in enumerate(lines, start=1):
         colour = _COLOURS[number % len(_COLOURS)]
         for part in _parts(line):
             places = np.rint(((part + 0.5) * scale - 0.5) * 16).astype(np.int32)
-            cv2.polylines(made, [places], False, colour, 1, cv2.LINE_AA, 4)
+            cv2.polylines(drawing, [places], False, colour, 1, cv2.LINE_AA, 4)
         x, y = ((line.points_px[len(line.points_px) // 3] + 0.5) * scale).astype(int).tolist()
         for ink, thick in (((0, 0, 0), 3), (colour, 1)):
             at = (x + 3, y - 3)
             cv2.putText(
-                made, str(number), at, cv2.FONT_HERSHEY_SIMPLEX, 0.45, ink, thick, cv2.LINE_AA
+                drawing, str(number), at, cv2.FONT_HERSHEY_SIMPLEX, 0.45, ink, thick, cv2.LINE_AA
             )
-    return np.asarray(made, dtype=np.uint8)
+    return np.asarray(drawing, dtype=np.uint8)
 
 
 def _parts(line: Traced) -> list[NDArray[np.float64]]:

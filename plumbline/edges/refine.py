@@ -133,8 +133,8 @@ def measured(guide: Guide, strip: Strip, profile: Profile, window_px: float) -> 
         ]
     )
     clipped = _clipped(strip, good)
-    made = Samples(guide, strip.along, place, error, good, clipped, profile)
-    return _without_strays(made)
+    samples = Samples(guide, strip.along, place, error, good, clipped, profile)
+    return _without_strays(samples)
 
 
 def _errors(place: Array, steepness: Array, strip: Strip) -> Array:

@@ -32,12 +32,12 @@ _LEAST, _MOST = 50, 100_000
 
 
 def bootstrap(
-    made: Calibration, fits: int, done: Callable[[int], object] | None = None, seed: int = 0
+    calibration: Calibration, fits: int, done: Callable[[int], object] | None = None, seed: int = 0
 ) -> Calibration:
     """The same calibration with a bootstrap beside its standard errors.
 
     Args:
-        made: A calibration.
+        calibration: A calibration.
         fits: How many fits, from 50 to 100,000.
         done: Called with the number of fits just done, for progress.
         seed: Of the resampling; the same seed gives the same result.
@@ -52,10 +52,15 @@ def bootstrap(
             hint=f"take from {_LEAST} to {_MOST:,}; 1,000 are usual",
         )
     problem = prepare(
-        made.observations, made.lens.model, made.free, (), made.coefficients, made.residual
-    ).keeping(np.concatenate(made.kept))
+        calibration.observations,
+        calibration.lens.model,
+        calibration.free,
+        (),
+        calibration.coefficients,
+        calibration.residual,
+    ).keeping(np.concatenate(calibration.kept))
     sizes = [min(BATCH, fits - first) for first in range(0, fits, BATCH)]
-    draw = _resampling(made, problem)
+    draw = _resampling(calibration, problem)
 
     def solved(number: int) -> list[Solution]:
         rng = np.random.default_rng((seed, number))
@@ -85,13 +90,15 @@ def bootstrap(
         away.T @ away / (len(found) - 1),
         np.percentile(values, (2.5, 97.5), axis=0).T,
     )
-    return replace(made, bootstrap=result)
+    return replace(calibration, bootstrap=result)
 
 
-def _resampling(made: Calibration, problem: Problem) -> Callable[[np.random.Generator], Task]:
+def _resampling(
+    calibration: Calibration, problem: Problem
+) -> Callable[[np.random.Generator], Task]:
     """What draws tasks with residuals resampled within lines."""
-    lens, linear = made.lens, made.linearised
-    observed_px = np.concatenate(in_frame(made.observations, lens.frame))
+    lens, linear = calibration.lens, calibration.linearised
+    observed_px = np.concatenate(in_frame(calibration.observations, lens.frame))
     ideal = undistorted(lens, observed_px)
     lines = fit_lines(ideal.uv, problem.packed.sizes, linear.kept.astype(np.float64))
     across = np.einsum("nij,ni->nj", ideal.stretch, lines.across[linear.line])

@@ -106,13 +106,15 @@ def _recommended(
         )
     comparison = compare(observations, done, robust=robust)
     chosen = comparison.candidates[comparison.recommended]
-    made = _fitted(observations, how._replace(model=chosen.model, free=chosen.free), robust=robust)
+    calibration = _fitted(
+        observations, how._replace(model=chosen.model, free=chosen.free), robust=robust
+    )
     notes = (
         f"{chosen.name} was chosen: {comparison.reason}",
         comparison.quote,
         comparison.beyond,
     )
-    return replace(made, remarks=(*made.remarks, *filter(None, notes)))
+    return replace(calibration, remarks=(*calibration.remarks, *filter(None, notes)))
 
 
 def _fitted(observations: Observations, how: _How, *, robust: bool) -> Calibration:
@@ -131,10 +133,10 @@ def _fitted(observations: Observations, how: _How, *, robust: bool) -> Calibrati
 def _suspects_beside(observations: Observations, how: _How) -> tuple[Suspect, ...]:
     """What a robust fit finds wrong where the plain one is refused."""
     try:
-        made = fit_one(observations, **how._asdict(), robust=True)
+        calibration = fit_one(observations, **how._asdict(), robust=True)
     except PlumblineError:
         return ()
-    return made.suspects if made.converged else ()
+    return calibration.suspects if calibration.converged else ()
 
 
 def calibrate_many(
@@ -173,7 +175,7 @@ def calibrate_many(
         for first in range(0, len(members), _CHUNK)
     ]
 
-    made: list[Calibration] = []
+    calibrations: list[Calibration] = []
     running: deque[Future[list[Calibration]]] = deque()
     with ThreadPoolExecutor(1) as pool:
         for chunk in chunks:
@@ -182,11 +184,11 @@ def calibrate_many(
             solutions = launch(get_model(model), [problem.task for problem in problems])
             running.append(pool.submit(_finished_later, problems, solutions, names, robust=robust))
             if len(running) > _AHEAD:
-                made += running.popleft().result()
+                calibrations += running.popleft().result()
         for last in running:
-            made += last.result()
+            calibrations += last.result()
     order = np.argsort([index for chunk in chunks for index in chunk])
-    return [made[place] for place in order.tolist()]
+    return [calibrations[place] for place in order.tolist()]
 
 
 def _finished_later(

@@ -50,10 +50,10 @@ def check(
     fitted = plan(get_model(model), only_lens(observations), chosen, held, None).free
     before = before_fit(observations, len(fitted), sum(name in radial for name in fitted))
     try:
-        made = calibrate(observations, model, free=chosen, hold=held)
+        calibration = calibrate(observations, model, free=chosen, hold=held)
     except PlumblineError as error:
         return _refused(before, error, observations.n_points)
-    return Checked((*before, *after_fit(made.trust)), made.suspects, made)
+    return Checked((*before, *after_fit(calibration.trust)), calibration.suspects, calibration)
 
 
 def _refused(before: tuple[Check, ...], error: PlumblineError, n_points: int) -> Checked:

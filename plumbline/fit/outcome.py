@@ -64,7 +64,7 @@ def finish_many(
         [problem.packed for problem in problems], [solution.residual for solution in solutions]
     )
     ends = np.cumsum([len(problem.kept) for problem in problems])[:-1]
-    made: list[Calibration] = []
+    calibrations: list[Calibration] = []
     every = zip(problems, solutions, np.split(residuals_px, ends), names, strict=True)
     for index, (problem, solution, residual_px, name) in enumerate(every):
         with About(name):
@@ -80,11 +80,13 @@ def finish_many(
             refuse_unobservable(centre_px, corner_px, radius_px, sigma_px)
             free = problem.task.free
             covariance = sigma_px**2 * covariance[free][:, free]
-            made.append(_made(problem, solution, lens, covariance, sigma_px, by_lines_px))
-    return made
+            calibrations.append(
+                _assembled(problem, solution, lens, covariance, sigma_px, by_lines_px)
+            )
+    return calibrations
 
 
-def _made(
+def _assembled(
     problem: Problem,
     solution: Solution,
     lens: Lens,
@@ -94,7 +96,7 @@ def _made(
 ) -> Calibration:
     converged = is_settled(solution, problem.dof)
     n_kept = int(np.count_nonzero(problem.kept))
-    made = Calibration(
+    calibration = Calibration(
         observations=problem.observations,
         lens=lens,
         free=problem.plan.free,
@@ -113,8 +115,8 @@ def _made(
         kept=by_line(problem.kept, problem.packed.sizes),
     )
     if problem.residual == "corrected":
-        made = _with_sandwich(made)
-    return made if n_kept == len(problem.kept) else _with_left_out(made)
+        calibration = _with_sandwich(calibration)
+    return calibration if n_kept == len(problem.kept) else _with_left_out(calibration)
 
 
 def is_settled(solution: Solution, dof: int) -> bool:
@@ -133,16 +135,18 @@ def lens_of(problem: Problem, solution: Solution) -> Lens:
     return Lens(blank.model, blank.frame, found | held, blank.focal_px)
 
 
-def _with_sandwich(made: Calibration) -> Calibration:
+def _with_sandwich(calibration: Calibration) -> Calibration:
     """Residuals of the corrected photo have unequal variances: σ̂ and covariance that know it."""
-    covariance, sigma_px = sandwich(made.linearised, made.dof)
-    return replace(made, covariance=covariance, sigma_px=sigma_px)
+    covariance, sigma_px = sandwich(calibration.linearised, calibration.dof)
+    return replace(calibration, covariance=covariance, sigma_px=sigma_px)
 
 
-def _with_left_out(made: Calibration) -> Calibration:
+def _with_left_out(calibration: Calibration) -> Calibration:
     """Residuals of the picks left out, which the solver gives as 0."""
-    sizes = np.array([len(values) for values in made.residuals_px])
+    sizes = np.array([len(values) for values in calibration.residuals_px])
     every = np.where(
-        np.concatenate(made.kept), np.concatenate(made.residuals_px), made.linearised.residual_px
+        np.concatenate(calibration.kept),
+        np.concatenate(calibration.residuals_px),
+        calibration.linearised.residual_px,
     )
-    return replace(made, residuals_px=by_line(every, sizes))
+    return replace(calibration, residuals_px=by_line(every, sizes))

@@ -101,8 +101,8 @@ def prepare_many(
     blanks: list[Lens] = []
     for each, name in zip(observations, names, strict=True):
         with About(name):
-            made, blank = _planned(each, model, chosen, held, start)
-        plans.append(made)
+            plan, blank = _planned(each, model, chosen, held, start)
+        plans.append(plan)
         blanks.append(blank)
     packed = pack(observations, [blank.unit_px for blank in blanks])
     points = unpack(packed, [each.block.xy for each in packed])
@@ -111,8 +111,8 @@ def prepare_many(
             with About(name):
                 each.checked()  # says which point it is
     problems = [
-        _problem(each, made, blank, block, residual, name)
-        for each, made, blank, block, name in zip(
+        _problem(each, plan, blank, block, residual, name)
+        for each, plan, blank, block, name in zip(
             observations, plans, blanks, packed, names, strict=True
         )
     ]

@@ -54,15 +54,15 @@ def finished(
     found = robust_fits(problems, solutions)
     if not robust:
         plain = zip(finish_many(problems, solutions, names), found, strict=True)
-        return [made if other is None else _accused(made, other) for made, other in plain]
-    made: list[Calibration] = []
+        return [each if other is None else _accused(each, other) for each, other in plain]
+    calibrations: list[Calibration] = []
     for problem, solution, other, name in zip(problems, solutions, found, names, strict=True):
         with About(name):
             one = (
                 finish(problem, solution) if other is None else _believed(other, problem, solution)
             )
-        made.append(replace(one, robust=True))
-    return made
+        calibrations.append(replace(one, robust=True))
+    return calibrations
 
 
 def _suspecting(found: Robust | DegenerateLinesError) -> Calibration:
@@ -73,21 +73,21 @@ def _suspecting(found: Robust | DegenerateLinesError) -> Calibration:
     """
     if isinstance(found, DegenerateLinesError):
         raise found
-    made = finish(found.problem, found.solution)
-    return replace(made, suspects=suspects_of(made, found))
+    calibration = finish(found.problem, found.solution)
+    return replace(calibration, suspects=suspects_of(calibration, found))
 
 
 def _believed(
     found: Robust | DegenerateLinesError, problem: Problem, solution: Solution
 ) -> Calibration:
     """The robust fit, or the plain one where a richer model explains what the robust leaves out."""
-    made = _suspecting(found)
+    calibration = _suspecting(found)
     try:
         plain = finish(problem, solution)
     except DegenerateLinesError:
-        return made
-    note = _explained(plain, made.suspects)
-    return replace(plain, remarks=(*plain.remarks, note)) if note else made
+        return calibration
+    note = _explained(plain, calibration.suspects)
+    return replace(plain, remarks=(*plain.remarks, note)) if note else calibration
 
 
 def _explained(plain: Calibration, suspects: Sequence[Suspect]) -> str:
@@ -117,11 +117,11 @@ def _right_with_more(plain: Calibration, accused: NDArray[np.bool_]) -> bool:
         return False
     try:
         problem = prepare(plain.observations, model, free, (), None, plain.residual)
-        made = finish(problem, solve(model, problem.task))
+        calibration = finish(problem, solve(model, problem.task))
     except PlumblineError:
         return False
-    away = np.abs(made.linearised.studentised(made.sigma_px)[accused])
-    return bool(made.converged and np.max(away) < reach(made.dof, len(accused)))
+    away = np.abs(calibration.linearised.studentised(calibration.sigma_px)[accused])
+    return bool(calibration.converged and np.max(away) < reach(calibration.dof, len(accused)))
 
 
 def _accused(plain: Calibration, found: Robust | DegenerateLinesError) -> Calibration:
@@ -151,16 +151,16 @@ def _compared_with_zero(
     values = ", ".join(f"{n} = {from_zero.coefficients[n]:.6g}" for n in from_zero.free)
     reached = f"starting from zero reaches {from_zero.rms_after_px:.4g} px with {values}"
     try:
-        made = fitted(problem, solution)
+        calibration = fitted(problem, solution)
     except DegenerateLinesError as error:
         raise CollapsedFitError(
             f"this start vector leads nowhere ({error.message}), while {reached}",
             hint="leave out --start",
         ) from None
-    if from_zero.rms_after_px > made.rms_after_px * (1 - 1e-6) - 1e-9:
-        return made
+    if from_zero.rms_after_px > calibration.rms_after_px * (1 - 1e-6) - 1e-9:
+        return calibration
     note = (
-        f"this start vector leads to a worse fit ({made.rms_after_px:.4g} px): {reached}; leave "
-        "out --start"
+        f"this start vector leads to a worse fit ({calibration.rms_after_px:.4g} px): {reached}; "
+        "leave out --start"
     )
-    return replace(made, remarks=(*made.remarks, note))
+    return replace(calibration, remarks=(*calibration.remarks, note))

@@ -169,7 +169,7 @@ def _refined(request: GroundRequest, optics: Optics) -> tuple[tuple[str, ...], b
 
 
 def _right_angles(request: GroundRequest, matches: Matches) -> tuple[RightAngle, ...]:
-    made: list[RightAngle] = []
+    angles: list[RightAngle] = []
     for names in request.right_angles:
         for name in names:
             if name not in matches.names:
@@ -181,8 +181,8 @@ def _right_angles(request: GroundRequest, matches: Matches) -> tuple[RightAngle,
                 "a right angle needs three different points", hint="as A,B,C with the corner at B"
             )
         first, corner, last = (matches.names.index(name) for name in names)
-        made.append(RightAngle(first, corner, last))
-    return tuple(made)
+        angles.append(RightAngle(first, corner, last))
+    return tuple(angles)
 
 
 def _focal(
@@ -216,7 +216,7 @@ def _settings(
     if network.focal is not None:
         error = 100 * network.focal.sigma
         focal = f"{network.focal.px:.0f} px ± {error:.2g} %, {told}"
-    made = [
+    settings = [
         Setting("a pick", f"± {network.sigma_pick_px:g} px in x and in y"),
         Setting("unevenness of the plane", f"± {network.flatness_m:g} m"),
         Setting("focal length", focal),
@@ -226,17 +226,17 @@ def _settings(
         sigmas = network.sigma_places_m[network.known]
         low, high = float(sigmas.min()), float(sigmas.max())
         shown = f"{low:g} m" if low == high else f"{low:g} to {high:g} m"
-        made.append(Setting("a coordinate on the ground", f"± {shown}"))
+        settings.append(Setting("a coordinate on the ground", f"± {shown}"))
     if network.tapes:
         low, high = (f([t.sigma_m for t in network.tapes]) for f in (min, max))
         shown = f"{low:g} m" if low == high else f"{low:g} to {high:g} m"
-        made.append(Setting("a tape", f"± {shown}"))
+        settings.append(Setting("a tape", f"± {shown}"))
     if network.lines:
-        made.append(Setting("a point of a line, sideways", f"± {network.sigma_line_m:g} m"))
+        settings.append(Setting("a point of a line, sideways", f"± {network.sigma_line_m:g} m"))
     if network.sigma_square_rad is not None:
         angle = float(np.degrees(network.sigma_square_rad))
-        made.append(Setting("the camera held square to the plane", f"± {angle:.1f}°"))
-    return tuple(made)
+        settings.append(Setting("the camera held square to the plane", f"± {angle:.1f}°"))
+    return tuple(settings)
 
 
 def _inputs(request: GroundRequest) -> tuple[InputFile, ...]:

@@ -183,7 +183,7 @@ def _inverse_and_lift(seen: Seen) -> tuple[Array, Array]:
 
 
 def _points(points: ArrayLike) -> Array:
-    made = np.asarray(points, dtype=np.float64)
-    if made.ndim != 2 or made.shape[1] != 2:
-        raise OptionError(f"points of shape {made.shape} were given", hint="give shape (n, 2)")
-    return made
+    array = np.asarray(points, dtype=np.float64)
+    if array.ndim != 2 or array.shape[1] != 2:
+        raise OptionError(f"points of shape {array.shape} were given", hint="give shape (n, 2)")
+    return array

@@ -100,31 +100,31 @@ def _findings(found: Adjustment, result: Rectification, gathered: Gathered) -> F
 
 
 def _notes(found: Adjustment) -> list[str]:
-    made: list[str] = []
+    notes: list[str] = []
     network = found.network
     only_points = not (network.tapes or network.lines or network.right_angles)
     if len(network.known) == _EXACT and only_points and not len(network.horizon_px):
-        made.append(
+        notes.append(
             "any four points fit some camera, so that only the focal length checks them: it shows "
             "blunders from about 0.1 to 0.8 m on; a fifth point shows smaller ones"
         )
     if found.contradictory:
-        made.append(
+        notes.append(
             "the observations contradict each other more than their stated errors allow: all "
             f"standard errors were widened by {found.widening:.1f}"
         )
     if network.sigma_square_rad is not None:
-        made.append("the plane was taken as photographed square-on")
+        notes.append("the plane was taken as photographed square-on")
     if network.lines and network.refined:
-        made.append("lane edges along the view run radially and tell nothing of the lens")
-    return made
+        notes.append("lane edges along the view run radially and tell nothing of the lens")
+    return notes
 
 
 def _point_fits(found: Adjustment, result: Rectification) -> list[PointFit]:
     network = found.network
     seen = found.state.camera.project(found.state.places)
     _, joint = result.joint(network.names, {})
-    made: list[PointFit] = []
+    fits: list[PointFit] = []
     for index, name in enumerate(network.names):
         pick = network.picks_px[index] - seen[index]
         given = network.places_m[index]
@@ -132,8 +132,8 @@ def _point_fits(found: Adjustment, result: Rectification) -> list[PointFit]:
         block = joint[2 * index : 2 * index + 2, 2 * index : 2 * index + 2]
         place = (float(away[0]), float(away[1])) if np.isfinite(given).all() else None
         long, short, _ = ellipse(block)
-        made.append(PointFit(name, (float(pick[0]), float(pick[1])), place, (long, short)))
-    return made
+        fits.append(PointFit(name, (float(pick[0]), float(pick[1])), place, (long, short)))
+    return fits
 
 
 def _tape_fits(found: Adjustment) -> list[TapeFit]:
@@ -153,13 +153,13 @@ def _tape_fits(found: Adjustment) -> list[TapeFit]:
 def _refined(found: Adjustment) -> list[tuple[str, float, float]]:
     optics, layout = found.state.camera.optics, found.layout
     spread = np.sqrt(np.diag(found.cofactor)) * found.widening
-    made = [
+    coefficients = [
         (name, float(optics.lens.coefficients[index]), float(spread[layout.lens.start + at]))
         for at, (name, index) in enumerate(zip(found.network.refined, layout.refined, strict=True))
     ]
     if not np.isfinite(found.network.sigma_centre_px):
-        made += [
+        coefficients += [
             (name, value, float(spread[7 + at]))
             for at, (name, value) in enumerate(zip("de", optics.shift_px, strict=True))
         ]
-    return made
+    return coefficients

@@ -102,9 +102,9 @@ def calibrate_pair(
     start = Setting(lens, agreed.scale, (float(place[0]), float(place[1])))
     fitted = fit_matches(start, fitted_names, matches.observed_px, matches.corrected_px)
     _refuse_few(fitted, matches, frame)
-    made = _calibration(fitted, matches, fitted_names, Photo(size, name), known)
-    _refuse_alike(made)
-    return made
+    calibration = _calibration(fitted, matches, fitted_names, Photo(size, name), known)
+    _refuse_alike(calibration)
+    return calibration
 
 
 def _matches(
@@ -253,13 +253,13 @@ def _left_out(fitted: Fitted) -> list[str]:
     ]
 
 
-def _refuse_alike(made: PairCalibration) -> None:
+def _refuse_alike(calibration: PairCalibration) -> None:
     """Refuse pictures that differ by a scale and a shift alone."""
-    bent_px = np.sqrt(max(made.rms_before_px**2 - made.rms_after_px**2, 0.0))
+    bent_px = np.sqrt(max(calibration.rms_before_px**2 - calibration.rms_after_px**2, 0.0))
     if bent_px > _ALIKE_PX:
         return
     raise PairError(
-        f"the two pictures differ by a scale ({made.scale:.4f}) and a shift alone: neither of them "
-        "is corrected, or both are",
+        f"the two pictures differ by a scale ({calibration.scale:.4f}) and a shift alone: "
+        "neither of them is corrected, or both are",
         hint="give one of them without the correction",
     )

@@ -29,49 +29,49 @@ def judgement(fitted: Fitted, document: Document) -> dict[str, Any]:
         fitted: Its fit with the search for suspicious picks.
         document: The document.
     """
-    made = fitted.made
-    if made is None:
+    calibration = fitted.calibration
+    if calibration is None:
         return {"failure": printable(fitted.failure), "hint": printable(fitted.hint)}
     goal_px = document.settings.goal_px
     return {
         "failure": "",
         "hint": "",
-        "suspects": _suspects(made, document),
+        "suspects": _suspects(calibration, document),
         "checks": [
             {"good": check.passed and not check.doubtful, "text": printable(check.sentence)}
-            for check in made.checks
+            for check in calibration.checks
         ],
-        "map": _map(made),
-        "next": _next(made),
-        "goal": _goal(made, goal_px),
+        "map": _map(calibration),
+        "next": _next(calibration),
+        "goal": _goal(calibration, goal_px),
     }
 
 
-def _suspects(made: Calibration, document: Document) -> list[dict[str, Any]]:
+def _suspects(calibration: Calibration, document: Document) -> list[dict[str, Any]]:
     numbers = [line.number for line in fitted_lines(document)]
     return [
         {
             "line": numbers[suspect.line],
-            "points": made.observations.lines[suspect.line]
+            "points": calibration.observations.lines[suspect.line]
             .points_px[list(suspect.picks)]
             .round(3)
             .tolist(),
             "whole": suspect.kind in ("bent line", "no line"),
             "text": printable(suspect.sentence),
         }
-        for suspect in made.suspects
+        for suspect in calibration.suspects
     ]
 
 
-def _map(made: Calibration) -> dict[str, Any] | None:
+def _map(calibration: Calibration) -> dict[str, Any] | None:
     """The error to quote over the first photo, row by row; None where the model folds."""
-    frame = made.lens.frame
+    frame = calibration.lens.frame
     x, y = np.linspace(0, frame.width - 1, _COLUMNS), np.linspace(0, frame.height - 1, _ROWS)
     points = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
-    covariance = made.covariance
-    if made.quotes_jackknife and made.jackknife is not None:
-        covariance = made.jackknife.covariance
-    errors = displacement_errors(made.lens, made.free, covariance, points)
+    covariance = calibration.covariance
+    if calibration.quotes_jackknife and calibration.jackknife is not None:
+        covariance = calibration.jackknife.covariance
+    errors = displacement_errors(calibration.lens, calibration.free, covariance, points)
     if errors is None:
         return None
     return {
@@ -82,9 +82,9 @@ def _map(made: Calibration) -> dict[str, Any] | None:
     }
 
 
-def _next(made: Calibration) -> dict[str, Any] | None:
+def _next(calibration: Calibration) -> dict[str, Any] | None:
     """The line that would help most, as a ghost; None where none would help by much."""
-    sure, best = made.quoted_displacement, next_line(made.trust)
+    sure, best = calibration.quoted_displacement, next_line(calibration.trust)
     if sure is None or best is None or best.to_px > _WORTH * best.from_px:
         return None
     to_px = sure.worst_px * best.to_px / best.from_px
@@ -97,9 +97,9 @@ def _next(made: Calibration) -> dict[str, Any] | None:
     }
 
 
-def _goal(made: Calibration, goal_px: float) -> dict[str, Any] | None:
+def _goal(calibration: Calibration, goal_px: float) -> dict[str, Any] | None:
     """How near the error is to the goal: 1 when it is reached."""
-    sure = made.quoted_displacement
+    sure = calibration.quoted_displacement
     if sure is None:
         return None
     share = min(1.0, goal_px / sure.worst_px) if sure.worst_px > 0 else 1.0

@@ -50,29 +50,29 @@ def finished(session: Session, draw: Drawing) -> dict[str, Any]:
     observations = _whole(session, document)
     settings = document.settings
     session.hub.publish("progress", "Fitting…")
-    made = calibrate(observations, settings.model, free=settings.free)
-    made = replace(made, command=command_line())
+    calibration = calibrate(observations, settings.model, free=settings.free)
+    calibration = replace(calibration, command=command_line())
     photo = session.photos[0].path
-    table, notes = _comparison(session, made.kept_observations)
+    table, notes = _comparison(session, calibration.kept_observations)
     session.hub.publish("progress", "Drawing the report…")
     report = photo.with_suffix(".fit.html")
     try:
         drawn, unseen = draw(
-            [made],
+            [calibration],
             str(report),
             (),
             comparisons=[table],
             photo=str(photo) if len(session.photos) == 1 else None,
             source=str(session.keeper.path),
         )
-        written, more = write_results([made], (), str(photo), drawn, overwrite=False)
+        written, more = write_results([calibration], (), str(photo), drawn, overwrite=False)
     except WriteError as error:
         error.hint = "move that file away, and finish again"
         raise
     return {
-        "finding": finding_sentence(made),
+        "finding": finding_sentence(calibration),
         "files": [printable(path.name) for path in written],
-        "notes": [printable(note) for note in (*notes, *more, *unseen, *made.notes)],
+        "notes": [printable(note) for note in (*notes, *more, *unseen, *calibration.notes)],
     }
 
 

@@ -38,7 +38,7 @@ _TRUSTED = 6
 class Fitted:
     """What a fit came to: a calibration, or why there is none and what to do."""
 
-    made: Calibration | None
+    calibration: Calibration | None
     failure: str = ""
     hint: str = ""
 
@@ -62,8 +62,8 @@ def guide(document: Document, fitted: Fitted, found: Lens | None = None) -> Lens
         fitted: Its fit.
         found: The lens that edges tell which were found without a click, if there are any.
     """
-    if fitted.made is not None and len(fitted.made.observations.lines) >= _TRUSTED:
-        return fitted.made.lens
+    if fitted.calibration is not None and len(fitted.calibration.observations.lines) >= _TRUSTED:
+        return fitted.calibration.lens
     if found is not None:
         return found
     first = document.photos[0].size

@@ -44,13 +44,13 @@ def mended(document: Document, fitted: Fitted, tracer: Tracer | None) -> Change 
     Returns:
         None where no traced line is odd, or it fits no better when it is traced again.
     """
-    made, lines = fitted.made, fitted_lines(document)
-    if made is None or tracer is None or len(lines) <= _LEAST_LINES:
+    calibration, lines = fitted.calibration, fitted_lines(document)
+    if calibration is None or tracer is None or len(lines) <= _LEAST_LINES:
         return None
-    if made.sigma_px < _MATTERS_PX:
+    if calibration.sigma_px < _MATTERS_PX:
         return None
-    odd, rest = _odd(document, lines, made)
-    if odd is None or rest is None or made.sigma_px < _STRAIGHTER * rest.sigma_px:
+    odd, rest = _odd(document, lines, calibration)
+    if odd is None or rest is None or calibration.sigma_px < _STRAIGHTER * rest.sigma_px:
         return None
     traced = tracer(odd.photo, odd.clicks, rest.lens, 0)
     if traced.refusal:
@@ -59,17 +59,17 @@ def mended(document: Document, fitted: Fitted, tracer: Tracer | None) -> Change 
         odd, points=traced.points, errors=traced.errors, rivals=traced.rivals, rival=0
     )
     change = Change(odd, again)
-    better = fit_now(document.changed([change])).made
-    return change if better is not None and _fits(better, made) else None
+    better = fit_now(document.changed([change])).calibration
+    return change if better is not None and _fits(better, calibration) else None
 
 
 def _odd(
-    document: Document, lines: Sequence[PickedLine], made: Calibration
+    document: Document, lines: Sequence[PickedLine], calibration: Calibration
 ) -> tuple[PickedLine | None, Calibration | None]:
     """The traced line without which the others are straightest, and their fit."""
-    bent = np.argsort([-_rms(residuals) for residuals in made.residuals_px])[:_TRIED]
+    bent = np.argsort([-_rms(residuals) for residuals in calibration.residuals_px])[:_TRIED]
     tried = [lines[index] for index in bent.tolist() if lines[index].snapped]
-    fits = [(line, fit_now(_without(document, line)).made) for line in tried]
+    fits = [(line, fit_now(_without(document, line)).calibration) for line in tried]
     known = [(line, rest) for line, rest in fits if rest is not None]
     if not known:
         return None, None

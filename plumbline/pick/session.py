@@ -89,7 +89,7 @@ class Session:
     @property
     def lens(self) -> Lens | None:
         """The lens as far as it is known."""
-        return None if self.fitted.made is None else self.fitted.made.lens
+        return None if self.fitted.calibration is None else self.fitted.calibration.lens
 
     def act(self, page: str, request: requests.Request) -> dict[str, Any]:
         """Do what the page asks for, save it, and fit.

@@ -29,87 +29,91 @@ def told(fitted: Fitted, document: Document) -> dict[str, Any]:
         fitted: The fit.
         document: What it was fitted to.
     """
-    made = fitted.made
-    if made is None:
+    calibration = fitted.calibration
+    if calibration is None:
         return {"failure": printable(fitted.failure), "hint": printable(fitted.hint)}
-    sure = made.quoted_displacement
+    sure = calibration.quoted_displacement
     return {
-        "failure": "" if made.converged else made.reason,
+        "failure": "" if calibration.converged else calibration.reason,
         "hint": "",
-        "finding": finding_sentence(made),
-        "model": made.model,
+        "finding": finding_sentence(calibration),
+        "model": calibration.model,
         "coefficients": [
-            {"name": name, "value": value, "error": made.standard_errors.get(name)}
-            for name, value in made.coefficients.items()
+            {"name": name, "value": value, "error": calibration.standard_errors.get(name)}
+            for name, value in calibration.coefficients.items()
         ],
-        "sigma_px": made.sigma_px,
-        "rms_px": made.rms_after_px,
-        "dof": made.dof,
+        "sigma_px": calibration.sigma_px,
+        "rms_px": calibration.rms_after_px,
+        "dof": calibration.dof,
         "quote_px": None if sure is None else sure.worst_px,
         "quote": "the model folds inside the photo"
         if sure is None
         else f"± {px(sure.worst_px)} {sure.worst_place}",
-        "corner_px": made.finding.corner_px,
-        "lines": _lines(made, [line.number for line in fitted_lines(document)]),
-        "radial": radial(made),
+        "corner_px": calibration.finding.corner_px,
+        "lines": _lines(calibration, [line.number for line in fitted_lines(document)]),
+        "radial": radial(calibration),
     }
 
 
-def _lines(made: Calibration, numbers: list[int]) -> list[dict[str, Any]]:
+def _lines(calibration: Calibration, numbers: list[int]) -> list[dict[str, Any]]:
     """Each line as fitted: its curve in the photo, its picks beside it, and how straight it is."""
-    lens, linear = made.lens, made.linearised
+    lens, linear = calibration.lens, calibration.linearised
     frame = lens.frame
-    observed = np.concatenate(in_frame(made.observations, frame))
+    observed = np.concatenate(in_frame(calibration.observations, frame))
     ideal = frame.normalise(lens.undistort_or_nan(observed), 1.0)
-    sizes = made.observations.sizes
+    sizes = calibration.observations.sizes
     fitted = fit_lines(ideal, sizes, linear.kept.astype(np.float64))
     foot = fitted.centre[linear.line] + linear.along_px[:, None] * fitted.along[linear.line]
     spans = by_line(linear.along_px, sizes)
     first, last = (np.array([bound(span) for span in spans]) for bound in (np.min, np.max))
     reach = np.linspace(first, last, _CURVE)  # (points, lines)
     curves = fitted.centre[None] + reach[..., None] * fitted.along[None]
-    seen = _seen(made, np.concatenate((foot, curves.reshape(-1, 2))))
+    seen = _seen(calibration, np.concatenate((foot, curves.reshape(-1, 2))))
     feet = by_line(seen[: len(foot)], sizes)
     shown = seen[len(foot) :].reshape(_CURVE, -1, 2)
     ideals = by_line(frame.to_pixels(ideal, 1.0), sizes)
     told: list[dict[str, Any]] = []
-    for index, (number, line) in enumerate(zip(numbers, made.observations.lines, strict=True)):
-        photo = made.observations.photos[line.photo].frame
+    for index, (number, line) in enumerate(
+        zip(numbers, calibration.observations.lines, strict=True)
+    ):
+        photo = calibration.observations.photos[line.photo].frame
         turned = photo.size != frame.size
         told.append(
             {
                 "number": number,
-                "rms_px": _rms(made, index),
+                "rms_px": _rms(calibration, index),
                 "points": _rounded(line.points_px),
-                "ideal": _rounded(_in_photo(ideals[index], made, line.photo, turned=turned)),
-                "feet": _rounded(_in_photo(feet[index], made, line.photo, turned=turned)),
-                "curve": _rounded(_in_photo(shown[:, index], made, line.photo, turned=turned)),
-                "residuals": _rounded(made.residuals_px[index]),
+                "ideal": _rounded(_in_photo(ideals[index], calibration, line.photo, turned=turned)),
+                "feet": _rounded(_in_photo(feet[index], calibration, line.photo, turned=turned)),
+                "curve": _rounded(
+                    _in_photo(shown[:, index], calibration, line.photo, turned=turned)
+                ),
+                "residuals": _rounded(calibration.residuals_px[index]),
             }
         )
     return told
 
 
-def _rms(made: Calibration, index: int) -> float:
-    return float(np.sqrt(np.mean(made.residuals_px[index] ** 2)))
+def _rms(calibration: Calibration, index: int) -> float:
+    return float(np.sqrt(np.mean(calibration.residuals_px[index] ** 2)))
 
 
-def _seen(made: Calibration, ideal: Array) -> Array:
-    return made.lens.distort_or_nan(made.lens.frame.to_pixels(ideal, 1.0))
+def _seen(calibration: Calibration, ideal: Array) -> Array:
+    return calibration.lens.distort_or_nan(calibration.lens.frame.to_pixels(ideal, 1.0))
 
 
-def _in_photo(points_px: Array, made: Calibration, photo: int, *, turned: bool) -> Array:
+def _in_photo(points_px: Array, calibration: Calibration, photo: int, *, turned: bool) -> Array:
     """Points of the lens's frame in a photo's own pixels, which may be turned; centres agree."""
     if not turned:
         return points_px
-    frame = made.observations.photos[photo].frame
-    return frame.to_pixels(made.lens.frame.normalise(points_px, 1.0), 1.0)
+    frame = calibration.observations.photos[photo].frame
+    return frame.to_pixels(calibration.lens.frame.normalise(points_px, 1.0), 1.0)
 
 
-def radial(made: Calibration) -> dict[str, Any]:
+def radial(calibration: Calibration) -> dict[str, Any]:
     """Displacement over the distance from the distortion centre, and how far out picks reach."""
-    observed, ideal = radial_curve(made.lens)
-    picks = made.observations.centred_px
+    observed, ideal = radial_curve(calibration.lens)
+    picks = calibration.observations.centred_px
     reached = float(np.max(np.hypot(picks[:, 0], picks[:, 1])))
     return {
         "radius": _rounded(observed),

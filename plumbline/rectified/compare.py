@@ -37,16 +37,16 @@ def grid_like(path: str) -> Grid:
     return Grid(read_world(path), (pixels.shape[1], pixels.shape[0]))
 
 
-def overlay(made: RectifiedPicture, aerial: str) -> Picture:
+def overlay(rectified: RectifiedPicture, aerial: str) -> Picture:
     """The aerial picture in red and the rectified one in green, on the grid of the latter.
 
     Raises:
         ReadError: the aerial picture has no world file, or cannot be read.
         OptionError: the two show no common ground.
     """
-    green = _grey(made.rendered.pixels)
-    red, shown = _onto(made.grid, aerial)
-    both = shown & made.rendered.shown
+    green = _grey(rectified.rendered.pixels)
+    red, shown = _onto(rectified.grid, aerial)
+    both = shown & rectified.rendered.shown
     if not both.any():
         raise OptionError(
             f"{aerial} and the photo show no common ground",
@@ -54,16 +54,18 @@ def overlay(made: RectifiedPicture, aerial: str) -> Picture:
         )
     pixels = np.zeros((*green.shape, 3), np.uint8)
     pixels[..., 2] = np.where(shown, red, 0)
-    pixels[..., 1] = np.where(made.rendered.shown, green, 0)
+    pixels[..., 1] = np.where(rectified.rendered.shown, green, 0)
     return Picture(pixels, inks=False, metadata=Metadata(), storage=Storage("PNG"))
 
 
-def overlay_bytes(made: RectifiedPicture, aerial: str, target: Path) -> bytes:
+def overlay_bytes(rectified: RectifiedPicture, aerial: str, target: Path) -> bytes:
     """The overlay as a picture file."""
-    return encode(overlay(made, aerial), target, 95, note_of("compared with an aerial picture"))[0]
+    return encode(
+        overlay(rectified, aerial), target, 95, note_of("compared with an aerial picture")
+    )[0]
 
 
-def mosaic(made: RectifiedPicture, other: str) -> Picture:
+def mosaic(rectified: RectifiedPicture, other: str) -> Picture:
     """The rectified picture blended with another on the same grid, softly at their edges.
 
     Raises:
@@ -71,24 +73,24 @@ def mosaic(made: RectifiedPicture, other: str) -> Picture:
     """
     theirs = decode(read_bytes(other), other)
     colours, shown = _colours(theirs)
-    ours, _ = _colours(made.picture)
+    ours, _ = _colours(rectified.picture)
     if ours.shape != colours.shape or ours.dtype != colours.dtype:
         raise OptionError(
             f"{other} has another size, depth or number of colours",
             hint="give the picture of --grid-like that plumbline rectified",
         )
-    weights = [_inwards(each) for each in (made.rendered.shown, shown)]
+    weights = [_inwards(each) for each in (rectified.rendered.shown, shown)]
     total = np.maximum(weights[0] + weights[1], 1e-9)
     shares = [weight / total for weight in weights]
     if ours.ndim == 3:
         shares = [share[..., None] for share in shares]
     blended = shares[0] * ours + shares[1] * colours
     pixels = np.rint(blended).astype(ours.dtype)
-    if made.picture.alpha:
+    if rectified.picture.alpha:
         full = np.iinfo(pixels.dtype).max
-        alpha = np.where(made.rendered.shown | shown, full, 0).astype(pixels.dtype)
+        alpha = np.where(rectified.rendered.shown | shown, full, 0).astype(pixels.dtype)
         pixels = np.dstack((pixels, alpha))
-    return replace(made.picture, pixels=pixels)
+    return replace(rectified.picture, pixels=pixels)
 
 
 def _colours(picture: Picture) -> tuple[Pixels, NDArray[np.bool_]]:

@@ -51,12 +51,12 @@ def world_file_name(picture: Path) -> Path:
 
 def sidecars(picture: Path, grid: Grid, epsg: int | None) -> dict[Path, bytes]:
     """The files beside a picture: its world file, and what names the coordinate system."""
-    made = {world_file_name(picture): grid.world.text().encode()}
+    files = {world_file_name(picture): grid.world.text().encode()}
     suffix = picture.suffix.lower()
     if suffix == ".webp" or (epsg is not None and suffix not in (".tif", ".tiff")):
         text = _auxiliary(grid.world, epsg)
-        made[picture.with_name(f"{picture.name}.aux.xml")] = text.encode()
-    return made
+        files[picture.with_name(f"{picture.name}.aux.xml")] = text.encode()
+    return files
 
 
 def _auxiliary(world: World, epsg: int | None) -> str:

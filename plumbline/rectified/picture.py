@@ -110,14 +110,14 @@ def rectify_picture(
 
 
 def picture_files(
-    made: RectifiedPicture, target: Path, request: PictureRequest, description: str
+    rectified: RectifiedPicture, target: Path, request: PictureRequest, description: str
 ) -> tuple[dict[Path, bytes], list[str]]:
     """The bytes of a picture's file and of those beside it, and what could not be kept."""
     epsg = None if request.crs is None else epsg_code(request.crs)
-    data, lost = encode(made.picture, target, request.quality, note_of(description))
+    data, lost = encode(rectified.picture, target, request.quality, note_of(description))
     if format_of(target) == "TIFF":
-        data = geotiff(data, made.grid.world, epsg)
-    return {target: data, **sidecars(target, made.grid, epsg)}, lost
+        data = geotiff(data, rectified.grid.world, epsg)
+    return {target: data, **sidecars(target, rectified.grid, epsg)}, lost
 
 
 def upright(pixels: Pixels, orientation: int) -> Pixels:

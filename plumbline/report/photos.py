@@ -65,7 +65,7 @@ def find_photos(
         ReadError: the file that the user names cannot be read, or is none of the photos.
             One that is found by its name and is another picture is not shown, with a note.
     """
-    photos = [photo for made in calibrations for photo in made.observations.photos]
+    photos = [photo for calibration in calibrations for photo in calibration.observations.photos]
     if given is not None:
         read_photo(given)
         if len(photos) > 1 and not any(_base(p) == Path(given).name for p in photos):
@@ -75,14 +75,16 @@ def find_photos(
                 hint="leave out --photo and put the photos beside the points",
             )
     found: list[Found] = []
-    for made in calibrations:
+    for calibration in calibrations:
         notes: list[str] = []
         pictures: list[Picture | None] = []
-        for photo in made.observations.photos:
+        for photo in calibration.observations.photos:
             mine = given is not None and (len(photos) == 1 or _base(photo) == Path(given).name)
             if given is not None and mine:
                 _checked(photo, Path(given), read_bytes(given))
-            places = [Path(given)] if given is not None and mine else _places(made, photo, beside)
+            places = (
+                [Path(given)] if given is not None and mine else _places(calibration, photo, beside)
+            )
             shown = _picture(photo, places, notes)
             pictures.append(shown)
             if shown is not None and not photo.sha256:
@@ -100,9 +102,9 @@ def _base(photo: Photo) -> str:
     return "" if name in (".", "..") else name
 
 
-def _places(made: Calibration, photo: Photo, beside: Path | None) -> list[Path]:
+def _places(calibration: Calibration, photo: Photo, beside: Path | None) -> list[Path]:
     name = _base(photo)
-    files = [Path(origin.path) for origin in made.observations.origins]
+    files = [Path(origin.path) for origin in calibration.observations.origins]
     if beside is not None:
         files.insert(0, beside)
     return [file.parent / name for file in files] if name else []

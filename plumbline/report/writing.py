@@ -59,9 +59,9 @@ def _targets(
 
     name = figure_name(plot)
     subjects = [
-        Subject(made, index, photos.pictures[index])
-        for made, photos in zip(calibrations, found, strict=True)
-        for index in shown_photos(name, made)
+        Subject(calibration, index, photos.pictures[index])
+        for calibration, photos in zip(calibrations, found, strict=True)
+        for index in shown_photos(name, calibration)
     ]
     if len(subjects) == 1:
         return [(plot, subjects[0])]
@@ -124,7 +124,7 @@ def report_contents(
     refuse_unsettled(calibrations)
     check_targets(report, plots)
     found = find_photos(calibrations, photo, None if source is None else Path(source))
-    inputs = [o.path for made in calibrations for o in made.observations.origins]
+    inputs = [o.path for calibration in calibrations for o in calibration.observations.origins]
     inputs += [str(p.path) for each in found for p in each.pictures if p is not None]
     inputs += [name for name in (source, photo) if name is not None]
     contents: dict[Path, bytes] = {}

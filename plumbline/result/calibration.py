@@ -277,15 +277,16 @@ def refuse_unsettled(calibrations: Sequence[Calibration]) -> None:
     Raises:
         UnsettledError: there is one; the sentence names its worst line.
     """
-    for made in calibrations:
-        if made.converged:
+    for calibration in calibrations:
+        if calibration.converged:
             continue
         worst = max(
-            (line for line in made.lines if not line.left_out), key=lambda line: line.rms_after_px
+            (line for line in calibration.lines if not line.left_out),
+            key=lambda line: line.rms_after_px,
         )
         raise UnsettledError(
-            f"{made.observations.named}there is no result: {made.reason}; line {worst.label} is "
-            f"farthest from straight, by {worst.rms_after_px:.3g} px (rms)",
+            f"{calibration.observations.named}the fit did not converge: {calibration.reason}; line "
+            f"{worst.label} is farthest from straight, by {worst.rms_after_px:.3g} px (rms)",
             hint="check that every pick is on its line and that the photo's size (and --grid) is "
             "right",
         )

@@ -84,10 +84,10 @@ class Comparison:
     @property
     def calibration(self) -> Calibration:
         """The recommended fit."""
-        made = self.candidates[self.recommended].calibration
-        if made is None:
+        calibration = self.candidates[self.recommended].calibration
+        if calibration is None:
             raise ValueError("the recommended model was not fitted")
-        return made
+        return calibration
 
 
 def as_dict(comparison: Comparison) -> dict[str, Any]:
@@ -104,16 +104,16 @@ def as_dict(comparison: Comparison) -> dict[str, Any]:
 
 
 def _row(comparison: Comparison, candidate: Candidate) -> dict[str, Any]:
-    made = candidate.calibration
+    calibration = candidate.calibration
     return {
         "name": candidate.name,
         "equals": list(candidate.equals),
         "model": candidate.model,
         "free": list(candidate.free),
         "failure": candidate.failure,
-        "coefficients": None if made is None else made.coefficients,
-        "standard_errors": None if made is None else made.standard_errors,
-        "rms_after_px": None if made is None else made.rms_after_px,
+        "coefficients": None if calibration is None else calibration.coefficients,
+        "standard_errors": None if calibration is None else calibration.standard_errors,
+        "rms_after_px": None if calibration is None else calibration.rms_after_px,
         "aicc": _finite(candidate.aicc),
         "delta_aicc": comparison.delta_aicc(candidate),
         "left_out_px": _finite(candidate.left_out_px),

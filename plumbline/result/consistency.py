@@ -44,72 +44,76 @@ _PLACES = ("quote_at_px", "at_px", "quoted", "names", "label")
 """Where two figures are all but equal, rounding decides these."""
 
 
-def contradiction(made: Calibration, record: ResultRecord) -> str:
+def contradiction(calibration: Calibration, record: ResultRecord) -> str:
     """What does not go together in a result that was read, or nothing.
 
     Args:
-        made: The result.
+        calibration: The result.
         record: What its file says.
     """
-    return _of_the_fit(made) or _of_what_follows(made, record)
+    return _of_the_fit(calibration) or _of_what_follows(calibration, record)
 
 
-def _of_the_fit(made: Calibration) -> str:
+def _of_the_fit(calibration: Calibration) -> str:
     """Lens, picks, residuals, σ̂ and covariance against one another."""
-    if isinstance(made, PairCalibration):
-        return _of_the_matches(made)
-    kept, linear = np.concatenate(made.kept), made.linearised
-    centre = float(made.lens.model.factor(np.float64(0.0), made.lens.vector))
+    if isinstance(calibration, PairCalibration):
+        return _of_the_matches(calibration)
+    kept, linear = np.concatenate(calibration.kept), calibration.linearised
+    centre = float(calibration.lens.model.factor(np.float64(0.0), calibration.lens.vector))
     if not centre > 0 or not np.array_equal(linear.kept, kept):
         return "the lens does not go with the picks"
-    used = sum(bool(which.any()) for which in made.kept)
-    if made.dof != int(np.count_nonzero(kept)) - 2 * used - len(made.free):
+    used = sum(bool(which.any()) for which in calibration.kept)
+    if calibration.dof != int(np.count_nonzero(kept)) - 2 * used - len(calibration.free):
         return "the degrees of freedom are not those of the picks"
-    if not _near(np.concatenate(made.residuals_px), linear.residual_px):
+    if not _near(np.concatenate(calibration.residuals_px), linear.residual_px):
         return "the lens does not leave the picks the residuals that are stored"
     corrected_px = linear.image_px[kept] * linear.stretch[kept]
     holds = {
-        "σ̂ is not that of the residuals": _near(made.sigma_px, sigma_of(linear, made.dof)),
-        "the error in the corrected photo is not that of the residuals": _near(
-            made.rms_corrected_px, np.sqrt(np.mean(corrected_px**2))
+        "σ̂ is not that of the residuals": _near(
+            calibration.sigma_px, sigma_of(linear, calibration.dof)
         ),
-        "the covariance is not that of the picks": _covariance_follows(made, linear),
+        "the error in the corrected photo is not that of the residuals": _near(
+            calibration.rms_corrected_px, np.sqrt(np.mean(corrected_px**2))
+        ),
+        "the covariance is not that of the picks": _covariance_follows(calibration, linear),
     }
     return next((sentence for sentence, true in holds.items() if not true), "")
 
 
-def _of_the_matches(made: PairCalibration) -> str:
+def _of_the_matches(calibration: PairCalibration) -> str:
     """The same for a pair."""
-    kept, stored = np.concatenate(made.kept), np.concatenate(made.residuals_px)
-    distance_px = np.nan_to_num(np.linalg.norm(made.vectors_px, axis=1), nan=np.inf)
+    kept, stored = np.concatenate(calibration.kept), np.concatenate(calibration.residuals_px)
+    distance_px = np.nan_to_num(np.linalg.norm(calibration.vectors_px, axis=1), nan=np.inf)
     if not _near(stored, distance_px):
         return "the lens does not leave the matches the residuals that are stored"
-    if made.dof != 2 * int(np.count_nonzero(kept)) - len(made.free) - UNSEEN:
+    if calibration.dof != 2 * int(np.count_nonzero(kept)) - len(calibration.free) - UNSEEN:
         return "the degrees of freedom are not those of the matches"
-    if not _near(made.sigma_px, np.sqrt(np.sum(distance_px[kept] ** 2) / made.dof)):
+    if not _near(calibration.sigma_px, np.sqrt(np.sum(distance_px[kept] ** 2) / calibration.dof)):
         return "σ̂ is not that of the residuals"
-    slopes = derivatives(made.setting, made.free, corrected_px(made.observations)[kept])
-    whole = made.sigma_px**2 * np.linalg.inv(np.einsum("nik,nil->kl", slopes, slopes))
-    computed = whole[: len(made.free), : len(made.free)]
+    slopes = derivatives(
+        calibration.setting, calibration.free, corrected_px(calibration.observations)[kept]
+    )
+    whole = calibration.sigma_px**2 * np.linalg.inv(np.einsum("nik,nil->kl", slopes, slopes))
+    computed = whole[: len(calibration.free), : len(calibration.free)]
     errors = np.sqrt(np.diag(computed))
-    if np.any(np.abs(made.covariance - computed) > _STRETCH * np.outer(errors, errors)):
+    if np.any(np.abs(calibration.covariance - computed) > _STRETCH * np.outer(errors, errors)):
         return "the covariance is not that of the matches"
     return ""
 
 
-def _covariance_follows(made: Calibration, linear: Linearised) -> bool:
-    if not made.free:
+def _covariance_follows(calibration: Calibration, linear: Linearised) -> bool:
+    if not calibration.free:
         return True
-    computed, sigma_px = covariance_of(linear, made.dof)
+    computed, sigma_px = covariance_of(linear, calibration.dof)
     errors = np.sqrt(np.diag(computed))
-    share = _STRETCH + _STRETCH_OF_RESIDUALS * sigma_px / made.lens.frame.radius_px
+    share = _STRETCH + _STRETCH_OF_RESIDUALS * sigma_px / calibration.lens.frame.radius_px
     allowed = share * np.outer(errors, errors)
-    return bool(np.all(np.abs(made.covariance - computed) <= allowed + np.finfo(float).tiny))
+    return bool(np.all(np.abs(calibration.covariance - computed) <= allowed + np.finfo(float).tiny))
 
 
-def _of_what_follows(made: Calibration, record: ResultRecord) -> str:
+def _of_what_follows(calibration: Calibration, record: ResultRecord) -> str:
     """The first figure that does not follow from the fit."""
-    again = record_of(made)
+    again = record_of(calibration)
     names = dict.fromkeys(_FIXED, _ROUNDING)
     if record.plumbline == __version__:
         names |= dict.fromkeys(_OF_THIS_VERSION, _ROUNDING_OF_ERRORS)

@@ -61,8 +61,8 @@ def consistent_results(text: str, path: str) -> tuple[Calibration, ...]:
     """
     records = read_records(text, path)
     calibrations = tuple(calibration_of(record, path) for record in records)
-    for made, record in zip(calibrations, records, strict=True):
-        wrong = contradiction(made, record)
+    for calibration, record in zip(calibrations, records, strict=True):
+        wrong = contradiction(calibration, record)
         if wrong:
             raise ReadError(
                 f"this result was changed since it was written: {wrong}",

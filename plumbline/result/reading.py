@@ -132,10 +132,10 @@ def _calibration(record: ResultRecord) -> Calibration:
     return known if record.pair is None else _paired(known, record.pair)
 
 
-def _paired(made: Calibration, pair: PairRecord) -> PairCalibration:
-    if any(line.corrected_px is None for line in made.observations.lines):
+def _paired(calibration: Calibration, pair: PairRecord) -> PairCalibration:
+    if any(line.corrected_px is None for line in calibration.observations.lines):
         raise DamageError("a pair lacks its matched points")
-    values = {each.name: getattr(made, each.name) for each in fields(made)}
+    values = {each.name: getattr(calibration, each.name) for each in fields(calibration)}
     return PairCalibration(**values, scale=pair.scale, place_px=pair.place_px)
 
 

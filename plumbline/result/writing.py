@@ -40,7 +40,7 @@ from plumbline.trust.suspect import Suspect
 
 def to_json(calibrations: Sequence[Calibration]) -> str:
     """JSON text of one or several calibrations."""
-    records = tuple(record_of(made) for made in calibrations)
+    records = tuple(record_of(calibration) for calibration in calibrations)
     if len(records) == 1:
         return record_text(records[0])
     return record_text(ResultsRecord(**_head(), calibrations=records))
@@ -50,59 +50,59 @@ def _head() -> dict[str, Any]:
     return {"format": RESULT, "format_version": FORMAT_VERSION, "plumbline": __version__}
 
 
-def record_of(made: Calibration) -> ResultRecord:
+def record_of(calibration: Calibration) -> ResultRecord:
     """One calibration as it is written."""
     return ResultRecord(
         **_head(),
-        model=made.model,
-        free=made.free,
-        residual=made.residual,
-        coefficients=made.coefficients,
-        standard_errors=made.standard_errors,
-        start=dict(made.start),
-        covariance=_matrix(made.covariance),
-        sigma_px=made.sigma_px,
-        dof=made.dof,
-        rms_before_px=made.rms_before_px,
-        rms_after_px=made.rms_after_px,
-        rms_corrected_px=made.rms_corrected_px,
-        largest_before_px=made.largest_before_px,
-        largest_after_px=made.largest_after_px,
-        intervals=made.intervals,
-        displacement=_displacement(made),
-        jackknife=_jackknife(made),
-        bootstrap=_bootstrap(made),
-        model_error=made.model_error,
-        robust=made.robust,
-        checks=made.checks,
-        suspects=tuple(_suspect(made, each) for each in made.suspects),
-        converged=made.converged,
-        reason=made.reason,
-        finding=made.finding,
-        focal_px=made.lens.focal_px,
-        notes=made.notes,
-        remarks=made.remarks,
-        command=made.command,
-        lines=tuple(_line(line) for line in made.lines),
-        pair=PairRecord(scale=made.scale, place_px=made.place_px)
-        if isinstance(made, PairCalibration)
+        model=calibration.model,
+        free=calibration.free,
+        residual=calibration.residual,
+        coefficients=calibration.coefficients,
+        standard_errors=calibration.standard_errors,
+        start=dict(calibration.start),
+        covariance=_matrix(calibration.covariance),
+        sigma_px=calibration.sigma_px,
+        dof=calibration.dof,
+        rms_before_px=calibration.rms_before_px,
+        rms_after_px=calibration.rms_after_px,
+        rms_corrected_px=calibration.rms_corrected_px,
+        largest_before_px=calibration.largest_before_px,
+        largest_after_px=calibration.largest_after_px,
+        intervals=calibration.intervals,
+        displacement=_displacement(calibration),
+        jackknife=_jackknife(calibration),
+        bootstrap=_bootstrap(calibration),
+        model_error=calibration.model_error,
+        robust=calibration.robust,
+        checks=calibration.checks,
+        suspects=tuple(_suspect(calibration, each) for each in calibration.suspects),
+        converged=calibration.converged,
+        reason=calibration.reason,
+        finding=calibration.finding,
+        focal_px=calibration.lens.focal_px,
+        notes=calibration.notes,
+        remarks=calibration.remarks,
+        command=calibration.command,
+        lines=tuple(_line(line) for line in calibration.lines),
+        pair=PairRecord(scale=calibration.scale, place_px=calibration.place_px)
+        if isinstance(calibration, PairCalibration)
         else None,
-        observations=_observations(made),
+        observations=_observations(calibration),
     )
 
 
-def _displacement(made: Calibration) -> DisplacementRecord | None:
-    sure, quoted = made.displacement, made.quoted_displacement
+def _displacement(calibration: Calibration) -> DisplacementRecord | None:
+    sure, quoted = calibration.displacement, calibration.quoted_displacement
     if sure is None or quoted is None:
         return None
-    wide = made.jackknife_displacement
+    wide = calibration.jackknife_displacement
     return DisplacementRecord(
         quote_px=quoted.worst_px,
         quote_at_px=_pairs(quoted.worst_at_px),
         largest_px=sure.worst_px,
         at_px=_pairs(sure.worst_at_px),
         jackknife_largest_px=None if wide is None else wide.worst_px,
-        quoted="jackknife" if made.quotes_jackknife else "independent",
+        quoted="jackknife" if calibration.quotes_jackknife else "independent",
         points_px=_pairs(sure.points_px),
         errors_px=tuple(sure.errors_px.tolist()),
     )
@@ -120,27 +120,27 @@ def _line(line: LineStraightness) -> StraightnessRecord:
     )
 
 
-def _jackknife(made: Calibration) -> JackknifeRecord | None:
-    left = made.jackknife
+def _jackknife(calibration: Calibration) -> JackknifeRecord | None:
+    left = calibration.jackknife
     return (
         None if left is None else JackknifeRecord(dof=left.dof, covariance=_matrix(left.covariance))
     )
 
 
-def _bootstrap(made: Calibration) -> BootstrapRecord | None:
-    again, wide = made.bootstrap, made.bootstrap_displacement
+def _bootstrap(calibration: Calibration) -> BootstrapRecord | None:
+    again, wide = calibration.bootstrap, calibration.bootstrap_displacement
     if again is None:
         return None
     return BootstrapRecord(
         fits=again.fits,
         failed=again.failed,
         covariance=_matrix(again.covariance),
-        intervals=dict(zip(made.free, _pairs(again.intervals), strict=True)),
+        intervals=dict(zip(calibration.free, _pairs(again.intervals), strict=True)),
         largest_px=None if wide is None else wide.worst_px,
     )
 
 
-def _suspect(made: Calibration, suspect: Suspect) -> SuspectRecord:
+def _suspect(calibration: Calibration, suspect: Suspect) -> SuspectRecord:
     return SuspectRecord(
         line=suspect.line,
         picks=suspect.picks,
@@ -149,12 +149,12 @@ def _suspect(made: Calibration, suspect: Suspect) -> SuspectRecord:
         studentised=_finite(suspect.studentised),
         left_out=suspect.left_out,
         sentence=suspect.sentence,
-        label=made.observations.lines[suspect.line].label,
+        label=calibration.observations.lines[suspect.line].label,
     )
 
 
-def _observations(made: Calibration) -> ObservationsRecord:
-    observations = made.observations
+def _observations(calibration: Calibration) -> ObservationsRecord:
+    observations = calibration.observations
     return ObservationsRecord(
         lens=observations.lenses[0],
         photos=tuple(
@@ -180,7 +180,11 @@ def _observations(made: Calibration) -> ObservationsRecord:
                 corrected_px=None if line.corrected_px is None else _pairs(line.corrected_px),
             )
             for line, before, after, kept in zip(
-                observations.lines, made.before_px, made.residuals_px, made.kept, strict=True
+                observations.lines,
+                calibration.before_px,
+                calibration.residuals_px,
+                calibration.kept,
+                strict=True,
             )
         ),
         origins=tuple(

@@ -57,7 +57,11 @@ def write_results(
         if target.suffix.lower() == ".xml":
             notes += label_notes(calibrations)
         elif target.suffix.lower() == ".pto":
-            notes += [n for made in calibrations for n in resampling_notes(made.observations)]
+            notes += [
+                n
+                for calibration in calibrations
+                for n in resampling_notes(calibration.observations)
+            ]
     if not contents:
         target = Path(source).with_suffix(".fit.json")
         contents[target] = result_bytes(calibrations, target, overwrite=overwrite)

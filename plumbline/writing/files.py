@@ -72,14 +72,16 @@ def export_file(
         stored_lenses(source)
         return ExportedFile(path, source.content)
     stored = one_lens(source, image)
-    made = export(replace(stored, **_with_facts(stored, facts)), target)
-    if made.deviation_px is not None and made.deviation_px > ALLOWED_PX and not force:
+    calibration = export(replace(stored, **_with_facts(stored, facts)), target)
+    if calibration.deviation_px is not None and calibration.deviation_px > ALLOWED_PX and not force:
         raise OptionError(
             f"{target} cannot hold the model {stored.lens.model.label} with its coefficients: as "
-            f"{made.model} it is up to {made.deviation_px:.2f} px off over the photo",
-            hint=f"write it all the same with --force, or fit with --model {made.model}",
+            f"{calibration.model} it is up to {calibration.deviation_px:.2f} px off over the photo",
+            hint=f"write it all the same with --force, or fit with --model {calibration.model}",
         )
-    return ExportedFile(path, made.content, made.deviation_px, made.model, made.notes)
+    return ExportedFile(
+        path, calibration.content, calibration.deviation_px, calibration.model, calibration.notes
+    )
 
 
 def one_lens(source: Source, image: int | None) -> StoredLens:

@@ -33,12 +33,20 @@ def lensfun_bytes(calibrations: Sequence[Calibration]) -> bytes:
             hint=f"fit with one of {', '.join(MODELS)}, or write -o RESULT.json",
         )
     _refuse_several_lenses(calibrations)
-    if len({(made.coefficients["d"], made.coefficients["e"]) for made in calibrations}) > 1:
+    if (
+        len(
+            {
+                (calibration.coefficients["d"], calibration.coefficients["e"])
+                for calibration in calibrations
+            }
+        )
+        > 1
+    ):
         raise UnsupportedModelError(
             "a LensFun lens has one centre for all focal lengths, and these have several",
             hint="hold the centre with --hold d,e, or write each focal length by itself",
         )
-    entries = [_entry(made) for made in calibrations]
+    entries = [_entry(calibration) for calibration in calibrations]
     head = lensfun_head(
         _facts(calibrations),
         first.lens.frame,
@@ -51,30 +59,34 @@ def lensfun_bytes(calibrations: Sequence[Calibration]) -> bytes:
 
 def _refuse_several_lenses(calibrations: Sequence[Calibration]) -> None:
     hint = "write each lens by itself: select a photo of it with --image N"
-    names = list(dict.fromkeys(_name(made) for made in calibrations))
+    names = list(dict.fromkeys(_name(calibration) for calibration in calibrations))
     if len(names) > 1:
         raise OptionError(f"these are several lenses, {' and '.join(names)}", hint=hint)
-    shapes = [aspect_ratio(_facts_of(made), made.lens.frame) for made in calibrations]
+    shapes = [
+        aspect_ratio(_facts_of(calibration), calibration.lens.frame) for calibration in calibrations
+    ]
     if max(shapes) / min(shapes) > 1 + _SAME_SHAPE:
         raise OptionError("the photos differ in their aspect ratio", hint=hint)
 
 
 def _facts(calibrations: Sequence[Calibration]) -> list[LensFacts]:
-    return [_facts_of(made) for made in calibrations]
+    return [_facts_of(calibration) for calibration in calibrations]
 
 
-def _entry(made: Calibration) -> Distortion:
-    names = made.lens.model.coefficients
-    values = {name: made.coefficients[name] for name in names}
-    return Distortion(made.model, focal_mm(_facts_of(made), made.lens.frame), values)
+def _entry(calibration: Calibration) -> Distortion:
+    names = calibration.lens.model.coefficients
+    values = {name: calibration.coefficients[name] for name in names}
+    return Distortion(
+        calibration.model, focal_mm(_facts_of(calibration), calibration.lens.frame), values
+    )
 
 
-def _facts_of(made: Calibration) -> LensFacts:
-    return made.observations.lenses[0]
+def _facts_of(calibration: Calibration) -> LensFacts:
+    return calibration.observations.lenses[0]
 
 
-def _name(made: Calibration) -> str:
-    return lens_name(_facts_of(made), made.observations)
+def _name(calibration: Calibration) -> str:
+    return lens_name(_facts_of(calibration), calibration.observations)
 
 
 def label_notes(calibrations: Sequence[Calibration]) -> list[str]:
@@ -100,12 +112,12 @@ def label_notes(calibrations: Sequence[Calibration]) -> list[str]:
 
 def _comment(calibrations: Sequence[Calibration]) -> str:
     parts = [f"{MARK} {__version__}"]
-    for made in calibrations:
-        n_points, n_lines = made.observations.n_points, len(made.observations.lines)
+    for calibration in calibrations:
+        n_points, n_lines = calibration.observations.n_points, len(calibration.observations.lines)
         parts.append(
-            f"at {_entry(made).focal_mm:g} mm {count(n_points, 'point')} on "
-            f"{count(n_lines, 'line')}, rms {made.rms_before_px:.3f} px before, "
-            f"{made.rms_after_px:.3f} px after"
+            f"at {_entry(calibration).focal_mm:g} mm {count(n_points, 'point')} on "
+            f"{count(n_lines, 'line')}, rms {calibration.rms_before_px:.3f} px before, "
+            f"{calibration.rms_after_px:.3f} px after"
         )
     labels = [_FLAGS.sub("", note) for note in label_notes(calibrations)]
     return "; ".join([*parts, *labels])

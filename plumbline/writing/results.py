@@ -64,7 +64,7 @@ def result_bytes(
     """
     suffix = target.suffix.lower()
     refuse_unknown_suffix(target, RESULT_SUFFIXES, "results")
-    inputs = [path for made in calibrations for path in _inputs(made.observations)]
+    inputs = [path for calibration in calibrations for path in _inputs(calibration.observations)]
     refuse_to_clobber(target, inputs, overwrite=overwrite)
     if suffix != ".json":
         refuse_unsettled(calibrations)
@@ -161,17 +161,19 @@ def project_bytes(calibrations: Sequence[Calibration]) -> bytes:
         UnsupportedModelError: the model is not `ptlens` and cannot be written as it.
         OptionError: two calibrations are of the same photo.
     """
-    values = [ptlens_values(made) for made in calibrations]
-    square = all(p.pixel_aspect == 1 for made in calibrations for p in made.observations.photos)
+    values = [ptlens_values(calibration) for calibration in calibrations]
+    square = all(
+        p.pixel_aspect == 1 for calibration in calibrations for p in calibration.observations.photos
+    )
     project = _common_project(calibrations)
     if project is not None and square:
         return rewritten(project.content, project.path, _of_photos(calibrations, values))
-    whole = Observations.side_by_side([made.observations for made in calibrations])
+    whole = Observations.side_by_side([calibration.observations for calibration in calibrations])
     return new_project(whole, dict(enumerate(values)))
 
 
 def _common_project(calibrations: Sequence[Calibration]) -> Origin | None:
-    first, *others = [made.observations.origins for made in calibrations]
+    first, *others = [calibration.observations.origins for calibration in calibrations]
     if len(first) != 1 or any(other != first for other in others):
         return None
     return first[0] if first[0].format == "pto" and first[0].content else None
@@ -182,8 +184,8 @@ def _of_photos(
 ) -> dict[int, dict[str, float]]:
     """The lens values of each photo number of one project."""
     found: dict[int, dict[str, float]] = {}
-    for made, value in zip(calibrations, values, strict=True):
-        for photo in made.observations.photos:
+    for calibration, value in zip(calibrations, values, strict=True):
+        for photo in calibration.observations.photos:
             if photo.number in found:
                 raise OptionError(
                     f"two calibrations are of photo number {photo.number} of the project",
@@ -193,20 +195,20 @@ def _of_photos(
     return found
 
 
-def ptlens_values(made: Calibration) -> dict[str, float]:
+def ptlens_values(calibration: Calibration) -> dict[str, float]:
     """a, b, c, d, e as Hugin has them, `d` at square pixels.
 
     Raises:
         UnsupportedModelError: the model has no such form.
     """
-    coefficients = made.coefficients
-    radial = made.lens.model.ptlens_values(coefficients)
+    coefficients = calibration.coefficients
+    radial = calibration.lens.model.ptlens_values(coefficients)
     if radial is None:
         raise UnsupportedModelError(
-            f"a Hugin project cannot hold the model {made.model}",
+            f"a Hugin project cannot hold the model {calibration.model}",
             hint="fit with --model ptlens, or write -o RESULT.json",
         )
-    frame = made.lens.frame
+    frame = calibration.lens.frame
     aspect = round(frame.square_size[0]) / frame.width
     return radial | {"d": coefficients["d"] * aspect, "e": coefficients["e"]}
 

@@ -119,9 +119,9 @@ def _ptlens(stored: StoredLens) -> bytes:
     maker, model = _camera(facts)
     menu_model = without_maker(model, maker)
     group = frozenset({re.sub(r"[^a-z0-9]", "", f"{maker}{menu_model}".casefold()) or "camera"})
-    made = PTLensLens(_name(stored), group, crop, ((_focal_mm(stored), _abc(stored.lens)),))
+    lens = PTLensLens(_name(stored), group, crop, ((_focal_mm(stored), _abc(stored.lens)),))
     camera = PTLensCamera(maker, menu_model, maker, model, group, crop)
-    return ptlens_profile(camera, made, _MARK)
+    return ptlens_profile(camera, lens, _MARK)
 
 
 def _camera(facts: LensFacts) -> tuple[str, str]:

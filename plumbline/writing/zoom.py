@@ -69,8 +69,10 @@ def read_zoom_lens(
                 "this is not a calibration written by plumbline",
                 hint="write one with plumbline fit POINTS -o result.json",
             )
-        calibrations += [(path, made) for made in consistent_results(source.text(), path)]
-    refuse_unsettled([made for _, made in calibrations])
+        calibrations += [
+            (path, calibration) for calibration in consistent_results(source.text(), path)
+        ]
+    refuse_unsettled([calibration for _, calibration in calibrations])
     lens = join(calibrations, method, degree)
     given = {name: value for name, value in (labels or {}).items() if value is not None}
     return replace(lens, facts=replace(lens.facts, **given))

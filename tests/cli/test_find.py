@@ -66,8 +66,8 @@ def test_a_photo_that_tells_no_lens_is_not_fitted(run: Run, tmp_path: Path) -> N
         (("find", "wall.png", "--overlay", "x.gif"), 2, "drawings are not written as .gif"),
         (("find", "wall.png", "--overlay", "wall.png"), 1, "never overwritten"),
         (("find", "wall.png", "-o", "mine.csv"), 1, "was not written by plumbline"),
-        (("fit", "wall.png", "--grid", "3x3"), 2, "has no use for --grid"),
-        (("fit", "wall.png", "--snap"), 2, "has no use for --snap"),
+        (("fit", "wall.png", "--grid", "3x3"), 2, "a photo without picks does not use --grid"),
+        (("fit", "wall.png", "--snap"), 2, "a photo without picks does not use --snap"),
     ],
 )
 def test_bad_input(run: Run, photo: Path, words: tuple[str, ...], status: int, says: str) -> None:

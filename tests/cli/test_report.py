@@ -89,14 +89,14 @@ def test_files_of_ours_are_replaced_and_others_kept(run: Run, result: str) -> No
 @pytest.mark.parametrize(
     ("words", "sentence", "remedy"),
     [
-        (("building.pto",), "a report needs residuals and error bars", "plumbline fit POINTS -o"),
-        (("facade.jpg",), "a report needs residuals and error bars", "plumbline fit POINTS -o"),
+        (("building.pto",), "holds the residuals and error bars", "plumbline fit POINTS -o"),
+        (("facade.jpg",), "holds the residuals and error bars", "plumbline fit POINTS -o"),
         (("missing.json",), "there is no such file", "check the name"),
         (("building.json", "--photo", "no.jpg"), "there is no such photo", "give a JPEG"),
         (("building.json", "--photo", "building.pto"), "not a picture that can be read", "JPEG"),
         (("building.json", "-o", "no/r.html"), "the folder does not exist", "make it first"),
-        (("other.json",), "no calibration written by plumbline", "fit again"),
-        (("zoom.json",), "this is a zoom lens", "plumbline report RESULT"),
+        (("other.json",), "this is not a calibration written by plumbline", "fit again"),
+        (("zoom.json",), "this is a zoom lens", "give the RESULT.json of one focal length"),
     ],
 )
 def test_bad_input_gets_a_sentence_and_a_remedy(

@@ -377,7 +377,7 @@ def test_a_fit_without_a_result_is_used_nowhere(
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
     made = replace(calibration(b=-0.02), converged=False, reason="no minimum in 100 steps")
     path = saved(tmp_path / "r.json", made)
-    sentence = "there is no result: no minimum in 100 steps"
+    sentence = "the fit did not converge: no minimum in 100 steps"
     for use in (
         lambda: find_correction(shot(), LensRequest(source=path)),
         lambda: store.add(path),

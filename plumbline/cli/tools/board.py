@@ -119,34 +119,34 @@ def together(found: Sequence[Seen]) -> Observations:
     return replace(whole, photos=photos)
 
 
-def with_remarks(made: Calibration, found: Sequence[Seen], corners: Path) -> Calibration:
+def with_remarks(calibration: Calibration, found: Sequence[Seen], corners: Path) -> Calibration:
     """The calibration with what the boards tell beside it.
 
     Args:
-        made: Fitted to the boards that were found.
+        calibration: Fitted to the boards that were found.
         found: All photographs.
         corners: The file of corners, which `compare` reads.
     """
     remarks = [seen.sentence for seen in found if not seen.boards]
-    told = spacing(made, [seen.boards for seen in found if seen.boards])
+    told = spacing(calibration, [seen.boards for seen in found if seen.boards])
     if told is not None and told.uneven:
         remarks.append(told.sentence)
-    remarks += _about_the_centre(made, corners)
-    return replace(made, remarks=(*made.remarks, *remarks))
+    remarks += _about_the_centre(calibration, corners)
+    return replace(calibration, remarks=(*calibration.remarks, *remarks))
 
 
-def _about_the_centre(made: Calibration, corners: Path) -> list[str]:
+def _about_the_centre(calibration: Calibration, corners: Path) -> list[str]:
     """What a free distortion centre would change, where it was held; corners can tell it."""
     from plumbline.fit.calibrate import calibrate
 
-    if not {"d", "e"}.isdisjoint(made.free):
+    if not {"d", "e"}.isdisjoint(calibration.free):
         return []
-    free = (*made.free, "d", "e")
+    free = (*calibration.free, "d", "e")
     try:
-        other = calibrate(made.observations, made.model, free=free, robust=True)
+        other = calibrate(calibration.observations, calibration.model, free=free, robust=True)
     except PlumblineError:
         return []
-    if not other.converged or other.rms_after_px > _WORTHWHILE * made.rms_after_px:
+    if not other.converged or other.rms_after_px > _WORTHWHILE * calibration.rms_after_px:
         return []
     where = " and ".join(
         f"{name} = {other.coefficients[name]:.1f} ± {other.standard_errors[name]:.1f}"
@@ -155,7 +155,7 @@ def _about_the_centre(made: Calibration, corners: Path) -> list[str]:
     return [
         f"the distortion centre is held at the photo's: free (--free {','.join(free)}) it lies at "
         f"{where} px, and corners stray by {other.rms_after_px:.2g} px instead of "
-        f"{made.rms_after_px:.2g} px; plumbline compare {corners} judges it"
+        f"{calibration.rms_after_px:.2g} px; plumbline compare {corners} judges it"
     ]
 
 
@@ -187,15 +187,15 @@ class Targets:
             WriteError: a suffix stands for nothing, or the two are one file.
         """
         folder = Path(first).parent
-        made = cls(
+        targets = cls(
             folder / "board.json" if points is None else Path(points),
             folder / "board.jpg" if overlay is None else Path(overlay),
         )
-        refuse_unknown_suffix(made.points, tuple(suffixes("points")), "corners")
-        refuse_unknown_suffix(made.overlay, PICTURES, "drawings")
-        if made.points == made.overlay:
-            raise WriteError("this file is named twice", path=made.points, hint="name two files")
-        return made
+        refuse_unknown_suffix(targets.points, tuple(suffixes("points")), "corners")
+        refuse_unknown_suffix(targets.overlay, PICTURES, "drawings")
+        if targets.points == targets.overlay:
+            raise WriteError("this file is named twice", path=targets.points, hint="name two files")
+        return targets
 
 
 def contents(

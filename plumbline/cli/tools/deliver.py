@@ -36,7 +36,7 @@ def refuse_unclear(output: Sequence[str], report: str | None, plots: Sequence[st
 
 
 def deliver(
-    made: Sequence[Calibration],
+    fitted: Sequence[Calibration],
     source: str,
     narration: Console,
     *,
@@ -55,7 +55,7 @@ def deliver(
     """Write and print.
 
     Args:
-        made: One a lens.
+        fitted: One a lens.
         source: The first input, beside which results go that are not named.
         narration: Where progress goes.
         output: Results that the user names.
@@ -74,7 +74,7 @@ def deliver(
         UnsettledError: a fit did not reach a minimum.
         WriteError: a file cannot or must not be written.
     """
-    calibrations = [replace(each, command=command_line()) for each in made]
+    calibrations = [replace(each, command=command_line()) for each in fitted]
     refuse_unsettled(calibrations)
     drawn: dict[Path, bytes] = dict(also or {})
     unseen: list[str] = []

@@ -38,15 +38,15 @@ class Targets:
         Raises:
             WriteError: a suffix stands for nothing, or the two are one file.
         """
-        made = cls(
+        targets = cls(
             Path(photo).with_suffix(".found.json") if points is None else Path(points),
             Path(photo).with_suffix(".found.jpg") if overlay is None else Path(overlay),
         )
-        refuse_unknown_suffix(made.points, POINT_SUFFIXES, "points")
-        refuse_unknown_suffix(made.overlay, PICTURES, "drawings")
-        if made.points == made.overlay:
-            raise WriteError("this file is named twice", path=made.points, hint="name two files")
-        return made
+        refuse_unknown_suffix(targets.points, POINT_SUFFIXES, "points")
+        refuse_unknown_suffix(targets.overlay, PICTURES, "drawings")
+        if targets.points == targets.overlay:
+            raise WriteError("this file is named twice", path=targets.points, hint="name two files")
+        return targets
 
     def refuse_to_clobber(self, photo: str, *, overwrite: bool) -> None:
         """Refuse to write over the photo, or over a file that plumbline did not write.

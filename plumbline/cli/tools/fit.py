@@ -48,14 +48,14 @@ def fit_lenses(
     Raises:
         PlumblineError: as `calibrate`; the sentence says which files and photos it is about.
     """
-    made: list[Calibration] = []
+    calibrations: list[Calibration] = []
     for part in parts:
         with named(part, len(parts)):
             calibration = _fitted(part, wishes, narration)
             if wishes.bootstrap is not None:
                 calibration = _again(calibration, wishes.bootstrap, narration)
-            made.append(calibration)
-    return made
+            calibrations.append(calibration)
+    return calibrations
 
 
 def compare_lenses(
@@ -66,11 +66,11 @@ def compare_lenses(
     Raises:
         PlumblineError: as `compare`; the sentence says which files and photos it is about.
     """
-    made: list[Comparison] = []
+    comparisons: list[Comparison] = []
     for part in parts:
         with named(part, len(parts)):
-            made.append(compared(part, narration, robust=robust))
-    return made
+            comparisons.append(compared(part, narration, robust=robust))
+    return comparisons
 
 
 def _fitted(part: Observations, wishes: Wishes, narration: Console) -> Calibration:
@@ -92,8 +92,8 @@ def _fitted(part: Observations, wishes: Wishes, narration: Console) -> Calibrati
         return calibrate(part, **how)
 
 
-def _again(made: Calibration, fits: int, narration: Console) -> Calibration:
+def _again(calibration: Calibration, fits: int, narration: Console) -> Calibration:
     from plumbline.fit.bootstrap import bootstrap
 
     with progress_bar(narration, "Bootstrap", fits) as advance:
-        return bootstrap(made, fits, advance)
+        return bootstrap(calibration, fits, advance)

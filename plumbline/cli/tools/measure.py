@@ -28,20 +28,20 @@ def run(picks: str | None, saved: str, how: Mapping[str, Any], *, as_json: bool)
     """Measure what is asked for, print it, and write it where wanted."""
     stored = read_rectification(saved)
     points = _picks(picks, stored.rectification)
-    made = list(_measured(stored.rectification, points, how))
+    measurements = list(_measured(stored.rectification, points, how))
     contents: dict[Path, bytes] = {}
     if how["output"]:
         target = Path(how["output"])
         refuse_to_clobber(target, [saved, *([picks] if picks else [])], overwrite=how["overwrite"])
-        contents[target] = _file(target, stored, points, made)
+        contents[target] = _file(target, stored, points, measurements)
     write_atomically(contents)
     if as_json:
-        click.echo(_json(stored, made), nl=False)
+        click.echo(_json(stored, measurements), nl=False)
         return
     from plumbline.report.terminal.measurements import print_measurements
     from plumbline.report.terminal.summary import WideConsole
 
-    print_measurements(WideConsole(), made)
+    print_measurements(WideConsole(), measurements)
     for path in contents:
         click.echo(f"Wrote {printable(str(path))}")
 
@@ -94,17 +94,17 @@ def _file(
     target: Path,
     stored: StoredRectification,
     points: Mapping[str, tuple[float, float]],
-    made: Sequence[Measurement],
+    measurements: Sequence[Measurement],
 ) -> bytes:
     suffix = target.suffix.lower()
     if suffix == ".dxf":
         from plumbline.rectified.dxf import dxf_bytes
 
-        return dxf_bytes(stored.rectification, points, made)
+        return dxf_bytes(stored.rectification, points, measurements)
     if suffix == ".json":
-        return _json(stored, made).encode()
+        return _json(stored, measurements).encode()
     if suffix == ".csv":
-        return _csv(made).encode()
+        return _csv(measurements).encode()
     raise WriteError(
         f"measurements are not written as {suffix or 'files without a suffix'}",
         path=target,
@@ -112,12 +112,12 @@ def _file(
     )
 
 
-def _csv(made: Sequence[Measurement]) -> str:
+def _csv(measurements: Sequence[Measurement]) -> str:
     text = io.StringIO(newline="")
     writer = csv.writer(text, lineterminator="\n")
     heads = ("kind", "points", "quantity", "value", "standard_error", "low_95", "high_95", "unit")
     writer.writerow([*heads, "ellipse_long", "ellipse_short", "ellipse_angle_deg"])
-    for each in made:
+    for each in measurements:
         names = ("X", "Y") if each.kind == "place" else (each.kind,)
         ellipse = [f"{value:.9g}" for value in each.ellipse or ()]
         for quantity, value, error, (low, high) in zip(
@@ -129,7 +129,7 @@ def _csv(made: Sequence[Measurement]) -> str:
     return text.getvalue()
 
 
-def _json(stored: StoredRectification, made: Sequence[Measurement]) -> str:
+def _json(stored: StoredRectification, measurements: Sequence[Measurement]) -> str:
     whole = {
         "format": _FORMAT,
         "photo": stored.photo,
@@ -145,7 +145,7 @@ def _json(stored: StoredRectification, made: Sequence[Measurement]) -> str:
                 "ellipse_95": each.ellipse
                 and dict(zip(("long_m", "short_m", "angle_deg"), each.ellipse, strict=True)),
             }
-            for each in made
+            for each in measurements
         ],
     }
     return json.dumps(whole, indent=2, ensure_ascii=False, allow_nan=False) + "\n"

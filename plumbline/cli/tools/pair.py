@@ -42,7 +42,7 @@ def from_pictures(
     first, second = read_upright(original), read_upright(corrected)
     notes = note_on_orientation(first.facts, first.facts.size)
     facts = _facts([first.facts, second.facts], labels, notes)
-    made = _named(
+    calibration = _named(
         f"{original} and {corrected}",
         original=first.pixels,
         corrected=second.pixels,
@@ -54,7 +54,7 @@ def from_pictures(
         Origin(original, "photo", checksum=first.identity.sha256),
         Origin(corrected, "photo", checksum=second.identity.sha256),
     )
-    whole = _with(made, notes, origins)
+    whole = _with(calibration, notes, origins)
     observations = replace(whole.observations, photos=(photo_of(first),))
     return replace(whole, observations=observations)
 
@@ -88,7 +88,7 @@ def from_points(
             hint="leave out --size",
         )
     facts = _facts([] if known is None else [known], labels, notes)
-    made = _named(
+    calibration = _named(
         path,
         points=points,
         size=size if known is None else known.size,
@@ -96,7 +96,7 @@ def from_points(
         name="" if known is None else known.name,
         **how,
     )
-    return _with(made, notes, (Origin(path, "csv", source.content),))
+    return _with(calibration, notes, (Origin(path, "csv", source.content),))
 
 
 def _facts(photos: list[PhotoFacts], labels: Mapping[str, Any], notes: list[str]) -> LensFacts:
@@ -117,6 +117,8 @@ def _named(what: str, **how: Any) -> PairCalibration:
         raise type(error)(f"{what}: {error.message}", hint=error.hint) from None
 
 
-def _with(made: PairCalibration, notes: list[str], origins: tuple[Origin, ...]) -> PairCalibration:
-    observations = replace(made.observations, notes=tuple(notes), origins=origins)
-    return replace(made, observations=observations)
+def _with(
+    calibration: PairCalibration, notes: list[str], origins: tuple[Origin, ...]
+) -> PairCalibration:
+    observations = replace(calibration.observations, notes=tuple(notes), origins=origins)
+    return replace(calibration, observations=observations)

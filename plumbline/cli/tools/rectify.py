@@ -54,14 +54,14 @@ def run(photo: str, lens: LensRequest, how: Mapping[str, Any]) -> None:
     _refuse_targets(source, picture, saved, inputs, how)
     found = rectified(gather(read_photo(photo), lens, request))
     contents, notes = dict[Path, bytes](), list[str]()
-    made: RectifiedPicture | None = None
+    rectified_picture: RectifiedPicture | None = None
     if picture is not None:
-        made = rectify_picture(found, source, picture, wanted)
-        files, lost = picture_files(made, picture, wanted, _description(found))
-        contents |= files | _beside_others(made, picture, wanted, found, how)
-        notes += [*made.notes, *made.picture.notes, *lost]
+        rectified_picture = rectify_picture(found, source, picture, wanted)
+        files, lost = picture_files(rectified_picture, picture, wanted, _description(found))
+        contents |= files | _beside_others(rectified_picture, picture, wanted, found, how)
+        notes += [*rectified_picture.notes, *rectified_picture.picture.notes, *lost]
     if how["dxf"]:
-        frame = None if made is None else made.grid.corners_m
+        frame = None if rectified_picture is None else rectified_picture.grid.corners_m
         contents[Path(how["dxf"])] = dxf_bytes(found, {}, tape_measurements(found), frame)
     digest = sha256(read_bytes(photo)).hexdigest()
     stored = StoredRectification(found, source.name, digest, command_line())
@@ -163,7 +163,7 @@ def _overlay_target(picture: Path) -> Path:
 
 
 def _beside_others(
-    made: RectifiedPicture,
+    rectified: RectifiedPicture,
     picture: Path,
     wanted: PictureRequest,
     found: Rectification,
@@ -173,9 +173,9 @@ def _beside_others(
     contents: dict[Path, bytes] = {}
     if how["overlay"]:
         target = _overlay_target(picture)
-        contents[target] = overlay_bytes(made, how["overlay"], target)
+        contents[target] = overlay_bytes(rectified, how["overlay"], target)
     if how["mosaic"]:
-        blended = replace(made, picture=mosaic(made, how["grid_like"]))
+        blended = replace(rectified, picture=mosaic(rectified, how["grid_like"]))
         target = Path(how["mosaic"])
         contents |= picture_files(blended, target, wanted, _description(found))[0]
     return contents

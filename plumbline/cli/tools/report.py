@@ -31,12 +31,12 @@ def draw(
 
     comparisons: list[Comparison | None] = []
     failed: list[str] = []
-    for made in calibrations if report is not None else ():
-        if isinstance(made, PairCalibration):  # models are compared by lines left out
+    for calibration in calibrations if report is not None else ():
+        if isinstance(calibration, PairCalibration):  # models are compared by lines left out
             comparisons.append(None)
             continue
         try:
-            comparisons.append(compared(made.kept_observations, narration, robust=False))
+            comparisons.append(compared(calibration.kept_observations, narration, robust=False))
         except PlumblineError as error:
             comparisons.append(None)
             failed.append(f"models are not compared in the report: {error.message}")

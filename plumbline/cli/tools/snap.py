@@ -31,18 +31,19 @@ def snapped(parts: Sequence[Observations], photo: str | None, narration: Console
     """
     from plumbline.edges.snap import snap
 
-    made: list[Snapped] = []
+    results: list[Snapped] = []
     for part in parts:
         with named(part, len(parts)), narration.status("Snapping…"):
-            made.append(snap(part, photo))
-    return made
+            results.append(snap(part, photo))
+    return results
 
 
-def described(made: Snapped) -> list[str]:
+def described(result: Snapped) -> list[str]:
     """One sentence a line: what it was snapped to, or why it keeps its picks."""
-    lines = made.observations.lines
+    lines = result.observations.lines
     return [
-        f"line {line.label}: {_one(traced)}" for line, traced in zip(lines, made.lines, strict=True)
+        f"line {line.label}: {_one(traced)}"
+        for line, traced in zip(lines, result.lines, strict=True)
     ]
 
 

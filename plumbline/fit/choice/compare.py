@@ -76,10 +76,10 @@ def compare(
     picks = _believed(observations) if robust else observations
 
     def fitted(row: Row) -> Candidate:
-        made = _fitted(picks, row)
+        calibration = _fitted(picks, row)
         if done is not None:
             done()
-        return made
+        return calibration
 
     with ThreadPoolExecutor(2) as pool:
         candidates = list(pool.map(fitted, ROWS))
@@ -153,9 +153,9 @@ def _refusal(failure: str, found: Calibration | PlumblineError) -> DegenerateLin
     )
 
 
-def _range_px(made: Calibration) -> Array:
+def _range_px(calibration: Calibration) -> Array:
     """Points within the range of the picks, shape (n, 2)."""
-    return picked_range_px(made.lens, made.observations)
+    return picked_range_px(calibration.lens, calibration.observations)
 
 
 def _prepared(observations: Observations, row: Row) -> Problem:
@@ -166,46 +166,53 @@ def _fitted(observations: Observations, row: Row) -> Candidate:
     candidate = Candidate(row.name, row.equals, row.model, row.free, None)
     try:
         problem = _prepared(observations, row)
-        made = finish(problem, solve(problem.model, problem.task))
+        calibration = finish(problem, solve(problem.model, problem.task))
     except PlumblineError as error:
         return replace(candidate, failure=error.message)
-    candidate = replace(candidate, calibration=made, fold_px=made.lens.fold_radius_px())
-    if not made.converged:
-        return replace(candidate, failure=made.reason)
-    error_px = _error_px(made)
+    candidate = replace(
+        candidate, calibration=calibration, fold_px=calibration.lens.fold_radius_px()
+    )
+    if not calibration.converged:
+        return replace(candidate, failure=calibration.reason)
+    error_px = _error_px(calibration)
     if error_px is None:
         return replace(candidate, failure="it folds within the range of the picks")
     return replace(
-        candidate, aicc=_criterion(made), left_out_px=left_out_px(made), error_px=error_px
+        candidate,
+        aicc=_criterion(calibration),
+        left_out_px=left_out_px(calibration),
+        error_px=error_px,
     )
 
 
-def _criterion(made: Calibration) -> float:
+def _criterion(calibration: Calibration) -> float:
     """AICc of the residual contrasts that are left once the line parameters are eliminated."""
-    k = len(made.free) + 1
-    n = made.dof + len(made.free)
-    square = max(float(np.sum(np.concatenate(made.residuals_px) ** 2)), n * _FINEST_PX**2)
+    k = len(calibration.free) + 1
+    n = calibration.dof + len(calibration.free)
+    square = max(float(np.sum(np.concatenate(calibration.residuals_px) ** 2)), n * _FINEST_PX**2)
     correction = 2 * k * (k + 1) / (n - k - 1) if n > k + 1 else np.inf
     return n * float(np.log(square / n)) + 2 * k + correction
 
 
-def _error_px(made: Calibration) -> float | None:
+def _error_px(calibration: Calibration) -> float | None:
     """The largest standard error within the range of the picks; None if the model folds there."""
-    points_px = _range_px(made)
-    covariances = [made.covariance]
-    if made.jackknife is not None:
-        covariances.append(made.jackknife.covariance)
+    points_px = _range_px(calibration)
+    covariances = [calibration.covariance]
+    if calibration.jackknife is not None:
+        covariances.append(calibration.jackknife.covariance)
     stated = [
-        displacement_errors(made.lens, made.free, covariance, points_px, gauge_px=points_px)
+        displacement_errors(
+            calibration.lens, calibration.free, covariance, points_px, gauge_px=points_px
+        )
         for covariance in covariances
     ]
     known = [float(np.max(errors_px)) for errors_px in stated if errors_px is not None]
     return max(known) if known else None
 
 
-def left_out_px(made: Calibration) -> float | None:
+def left_out_px(calibration: Calibration) -> float | None:
     """Root mean square residual of lines that took no part in the fit."""
-    linear = made.linearised
+    linear = calibration.linearised
     shifts = linear.without_each_line()
     if shifts is None:
         return None
@@ -217,14 +224,12 @@ def _centre(candidates: tuple[Candidate, ...]) -> str:
     """What freeing the distortion centre does."""
     by_name = {each.name: each for each in candidates}
     freed, held = by_name[_FREED], by_name[_HELD]
-    made = freed.calibration
-    if made is None or freed.failure or held.failure:
+    calibration = freed.calibration
+    if calibration is None or freed.failure or held.failure:
         why = freed.failure or f"with it held, {held.failure}"
         return f"what a free distortion centre would do is not known: {why}"
-    where = " and ".join(
-        f"{name} = {made.coefficients[name]:+.1f} ± {made.standard_errors[name]:.1f} px"
-        for name in CENTRE
-    )
+    values, errors = calibration.coefficients, calibration.standard_errors
+    where = " and ".join(f"{name} = {values[name]:+.1f} ± {errors[name]:.1f} px" for name in CENTRE)
     straight = left_out(freed, held)
     return f"the distortion centre of {_HELD}, if freed, lies at {where}" + (
         f"{straight} with it held" if straight else ""

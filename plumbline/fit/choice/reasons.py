@@ -84,9 +84,9 @@ def left_out(one: Candidate, other: Candidate) -> str:
     )
 
 
-def quote(made: Calibration) -> str:
+def quote(calibration: Calibration) -> str:
     """Which error to quote with a fit; empty where its model folds among the picks."""
-    return "" if made.quoted is None else made.quoted.sentence
+    return "" if calibration.quoted is None else calibration.quoted.sentence
 
 
 def beyond(choice: Choice, points_px: Array, photo_px: Array) -> str:

@@ -161,12 +161,12 @@ def error_px(candidate: Candidate) -> float:
 
 def curves_apart_px(one: Candidate, other: Candidate, points_px: Array) -> float:
     """The largest difference of the curves of two rows that were fitted."""
-    here, there = _made(one).lens, _made(other).lens
+    here, there = _calibration_of(one).lens, _calibration_of(other).lens
     perspective = here.model.decentred(one.free) or there.model.decentred(other.free)
     return difference_px(here, there, points_px, perspective=perspective)
 
 
-def _made(candidate: Candidate) -> Calibration:
+def _calibration_of(candidate: Candidate) -> Calibration:
     if candidate.calibration is None:
         raise ValueError(f"{candidate.name} was not fitted: {candidate.failure}")
     return candidate.calibration

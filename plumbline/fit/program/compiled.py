@@ -95,7 +95,7 @@ def _program(fit: Fit, shapes: Shapes, batch: int | None) -> Callable[[Task], So
         _keep_compiled(folder)
         exported = _loaded(folder / name)
     if exported is None:
-        exported = _made(fit, shapes, batch)
+        exported = _exported(fit, shapes, batch)
         if folder is not None:
             _save(folder / name, exported)
     lowered = jax.jit(exported.call).lower(_task_of(shapes))
@@ -107,14 +107,14 @@ def _compiled(lowered: Any, options: dict[str, str | bool] | None, folder: Path 
     """Compile, or take what JAX kept; broken entries are thrown away instead of complained of."""
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")
-        made = lowered.compile(options)
+        program = lowered.compile(options)
     broken = [each for each in told if _BROKEN in str(each.message)]
     if broken and folder is not None:
         clear(folder, PATTERNS[1:])
     for each in told:
         if each not in broken:
             warnings.warn_explicit(each.message, each.category, each.filename, each.lineno)
-    return made
+    return program
 
 
 def kept(folder: Path, patterns: Sequence[str] = PATTERNS) -> list[Path]:
@@ -141,7 +141,7 @@ def _task_of(shapes: Shapes) -> Task:
     return jax.tree.unflatten(jax.tree.structure(EMPTY_TASK), leaves)
 
 
-def _made(fit: Fit, shapes: Shapes, batch: int | None) -> export.Exported:
+def _exported(fit: Fit, shapes: Shapes, batch: int | None) -> export.Exported:
     from plumbline.fit.program.minimise import minimise
 
     one = partial(minimise, *fit)
@@ -174,8 +174,8 @@ def _keep_compiled(folder: Path) -> None:
 def _key(fit: Fit, shapes: Any, batch: int | None) -> str:
     """Stands for everything that the traced program depends on."""
     versions = [version(name) for name in _DISTRIBUTIONS]
-    made_for = fit.model.label, fit.centre, shapes, batch
-    parts = (made_for, versions, jax.default_backend(), _sources())
+    purpose = fit.model.label, fit.centre, shapes, batch
+    parts = (purpose, versions, jax.default_backend(), _sources())
     return hashlib.sha256(repr(parts).encode()).hexdigest()
 
 

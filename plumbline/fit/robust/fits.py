@@ -79,7 +79,7 @@ def robust_fits(
     screened = screen(picks)
     spoiled = np.bincount(picks.problem, ~screened.kept, len(problems)) > 0
     odd = _odd(picks, screened)
-    made: list[Robust | DegenerateLinesError | None] = []
+    fits: list[Robust | DegenerateLinesError | None] = []
     for index, (problem, solution) in enumerate(zip(problems, solutions, strict=True)):
         plain_px = _sigma_px(problem, solution)
         wild = not plain_px < _WILD * problem.blank.frame.radius_px
@@ -90,14 +90,14 @@ def robust_fits(
             beliefs = _beliefs(problem, solution) if masked else [kept]
             best = _best(problem, beliefs, _SHARES if masked else _SHARES[:1])
             spared = isinstance(best, Robust) and not _explains_more(best, problem, solution)
-            made.append(_at(problem, solution, _SHARES[:1]) if spared and odd[index] else best)
+            fits.append(_at(problem, solution, _SHARES[:1]) if spared and odd[index] else best)
             if spared and not odd[index]:
-                made[-1] = None
+                fits[-1] = None
         elif odd[index]:
-            made.append(_at(problem, solution, _SHARES[:1]))
+            fits.append(_at(problem, solution, _SHARES[:1]))
         else:
-            made.append(None)
-    return made
+            fits.append(None)
+    return fits
 
 
 def _odd(picks: Picks, screened: Screened) -> NDArray[np.bool_]:

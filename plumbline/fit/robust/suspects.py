@@ -29,7 +29,7 @@ class _Scene:
     """The robust fit as the questions below need it.
 
     Attributes:
-        made: Its calibration.
+        calibration: Its calibration.
         linear: The same, linearised.
         picks: All picks undistorted.
         lines: Lines through the kept ones.
@@ -41,7 +41,7 @@ class _Scene:
         within_px: How far a good pick may lie from its line.
     """
 
-    made: Calibration
+    calibration: Calibration
     linear: Linearised
     picks: Picks
     lines: Lines
@@ -53,12 +53,12 @@ class _Scene:
 
     def name(self, line: int) -> str:
         """The line's name."""
-        return f"line {self.made.observations.lines[line].label}"
+        return f"line {self.calibration.observations.lines[line].label}"
 
     def pick(self, number: int) -> str:
         """A pick in words."""
         line, place = self.place(number)
-        x, y = self.made.observations.lines[line].points_px[place]
+        x, y = self.calibration.observations.lines[line].points_px[place]
         return f"pick {place + 1} of {self.name(line)} at ({x:.0f}, {y:.0f})"
 
     def place(self, number: int) -> tuple[int, int]:
@@ -67,29 +67,29 @@ class _Scene:
         return line, number - int(self.starts[line])
 
 
-def suspects_of(made: Calibration, found: Robust) -> tuple[Suspect, ...]:
+def suspects_of(calibration: Calibration, found: Robust) -> tuple[Suspect, ...]:
     """Name the suspicious picks.
 
     Args:
-        made: The calibration of the robust fit.
+        calibration: The calibration of the robust fit.
         found: The robust fit.
     """
-    linear = made.linearised
-    lost = [line for line, which in enumerate(made.kept) if not which.any()]
+    linear = calibration.linearised
+    lost = [line for line, which in enumerate(calibration.kept) if not which.any()]
     lost_pick = np.isin(linear.line, lost)
     scene = _Scene(
-        made,
+        calibration,
         linear,
         found.picks,
         found.agreed.lines,
-        np.array([line.photo for line in made.observations.lines]),
+        np.array([line.photo for line in calibration.observations.lines]),
         np.searchsorted(linear.line, np.arange(linear.n_lines)),
         np.where(lost_pick, found.agreed.distance_px, linear.image_px),
-        linear.studentised(made.sigma_px),
-        reach(made.dof, len(linear.line)) * made.sigma_px,
+        linear.studentised(calibration.sigma_px),
+        reach(calibration.dof, len(linear.line)) * calibration.sigma_px,
     )
-    kept = np.concatenate(made.kept)
-    sigma_px = np.full(linear.n_lines, made.sigma_px)
+    kept = np.concatenate(calibration.kept)
+    sigma_px = np.full(linear.n_lines, calibration.sigma_px)
     rounding_px = rounded(found.picks.finest_px)
     bend_px, bent = bends(linear.line, linear.along_px, linear.image_px, sigma_px, rounding_px)
     away = {int(n): _other_line(scene, int(n)) for n in np.flatnonzero(~kept)}
@@ -104,7 +104,7 @@ def suspects_of(made: Calibration, found: Robust) -> tuple[Suspect, ...]:
     whole = [
         _bent_line(scene, line, float(bend_px[line]))
         for line in np.flatnonzero(bent).tolist()
-        if made.kept[line].all()
+        if calibration.kept[line].all()
     ]
     pairs = twins(linear.line, linear.along_px, linear.image_px)
     return (
@@ -176,7 +176,7 @@ def _lost_line(scene: _Scene, line: int, unclear: set[int]) -> Suspect | None:
 
 
 def _bent_line(scene: _Scene, line: int, bend_px: float) -> Suspect:
-    size = len(scene.made.kept[line])
+    size = len(scene.calibration.kept[line])
     rows = int(scene.starts[line]) + np.arange(size)
     return Suspect(
         line,
@@ -191,7 +191,7 @@ def _bent_line(scene: _Scene, line: int, bend_px: float) -> Suspect:
 
 def _twins(scene: _Scene, one: int, two: int) -> Suspect:
     (line, first), (_, second) = scene.place(one), scene.place(two)
-    points = scene.made.observations.lines[line].points_px
+    points = scene.calibration.observations.lines[line].points_px
     gap_px = float(np.hypot(*(points[first] - points[second])))
     return Suspect(
         line,

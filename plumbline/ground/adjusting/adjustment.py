@@ -131,7 +131,7 @@ class Adjustment:
         """Derivative of all residuals by the coefficients, numerically, shape (m, k)."""
         camera = self.state.camera
         values = np.array(camera.optics.lens.coefficients)
-        made = np.zeros((len(self.residuals), count))
+        derivatives = np.zeros((len(self.residuals), count))
         for index in range(count):
             ends: list[Array] = []
             for sign in (1.0, -1.0):
@@ -140,8 +140,8 @@ class Adjustment:
                 state = _with_lens(self.state, step)
                 found = blocks(self.network, self.layout, self.start, state)
                 ends.append(np.concatenate([block.residuals for block in found]))
-            made[:, index] = (ends[0] - ends[1]) / (2 * _COEFFICIENT_STEP)
-        return made
+            derivatives[:, index] = (ends[0] - ends[1]) / (2 * _COEFFICIENT_STEP)
+        return derivatives
 
 
 _COEFFICIENT_STEP = 1e-5
@@ -219,10 +219,10 @@ def chi_square_limit(dof: int, level: float) -> float:
     return dof * (1 - 2 / (9 * dof) + z * math.sqrt(2 / (9 * dof))) ** 3
 
 
-def _joined(made: Sequence[Block]) -> tuple[Array, Array]:
+def _joined(blocks: Sequence[Block]) -> tuple[Array, Array]:
     return (
-        np.concatenate([block.residuals for block in made]),
-        np.concatenate([block.derivative for block in made]),
+        np.concatenate([block.residuals for block in blocks]),
+        np.concatenate([block.derivative for block in blocks]),
     )
 
 

@@ -35,6 +35,6 @@ def blocks(network: Network, layout: Layout, start: State, state: State) -> list
         start: The state whose lens is the observed one.
         state: Where to evaluate.
     """
-    made = [block for build in _BUILDERS for block in build(network, layout, state)]
-    made += told.camera(network, layout, start, state)
-    return [*made, *told.lens(network, layout, start, state)]
+    built = [block for build in _BUILDERS for block in build(network, layout, state)]
+    built += told.camera(network, layout, start, state)
+    return [*built, *told.lens(network, layout, start, state)]

@@ -67,7 +67,7 @@ def advise(found: Adjustment) -> list[Advice]:
     if not np.isfinite(_seen_inside(camera, target[None])).all():
         target = view.at(view.far_m, 0.0)[0]
     now = _error(rectification_of(found), target)
-    made: list[Advice] = []
+    advice: list[Advice] = []
     for what, network, state in _possible(found, view):
         layout = Layout.of(network, camera.optics.names)
         with np.errstate(all="ignore"):
@@ -78,8 +78,8 @@ def advise(found: Adjustment) -> list[Advice]:
             rectification_of(Adjustment(network, layout, state, state, equations, True)), target
         )
         if then < (1 - _WORTH_IT) * now:
-            made.append(Advice(what, (float(target[0]), float(target[1])), now, then))
-    return sorted(made, key=lambda each: each.then_m)
+            advice.append(Advice(what, (float(target[0]), float(target[1])), now, then))
+    return sorted(advice, key=lambda each: each.then_m)
 
 
 def _view(camera: Camera, places: Array) -> _View:
@@ -112,14 +112,14 @@ def _lines(found: Adjustment, view: _View) -> Iterator[tuple[str, Network, State
     network, state = found.network, found.state
     ends = (view.near_m, max(min(_TRACED * view.far_m, _FARTHEST_M), view.far_m))
     along = np.geomspace(*ends, _PICKS)
-    group, made, anchors = network.n_groups, list[GroundLine](), list[Array]()
+    group, lines, anchors = network.n_groups, list[GroundLine](), list[Array]()
     for aside in (-_LANE_M / 2, _LANE_M / 2):
         places = view.at(along, aside)
         picks = _seen_inside(state.camera, places)
         picks = picks[np.isfinite(picks).all(axis=1)]
         if len(picks) < 3:
             return
-        made.append(GroundLine(f"edge {aside:+g}", picks, group))
+        lines.append(GroundLine(f"edge {aside:+g}", picks, group))
         anchors.append(places.mean(axis=0))
     turn = float(np.arctan2(view.ahead[1], view.ahead[0]))
     wider = replace(
@@ -130,7 +130,7 @@ def _lines(found: Adjustment, view: _View) -> Iterator[tuple[str, Network, State
     )
     yield (
         f"mark two parallel lane edges, from {ends[0]:.0f} to {ends[1]:.0f} m ahead",
-        replace(network, lines=(*network.lines, *made)),
+        replace(network, lines=(*network.lines, *lines)),
         wider,
     )
 

@@ -120,7 +120,7 @@ def _remedy(found: Adjustment, loose: Array) -> str:
 def _missing(found: Adjustment) -> list[_Missing]:
     """Tapes, places and the focal length that were not observed."""
     layout, network = found.layout, found.network
-    made: list[_Missing] = []
+    missing: list[_Missing] = []
     taped = {frozenset((t.first, t.second)) for t in network.tapes}
     known = set(network.known.tolist())
     for first in range(layout.points):
@@ -133,9 +133,9 @@ def _missing(found: Adjustment) -> list[_Missing]:
             length = float(np.hypot(*apart))
             if length > 0:
                 what = f"a tape from {network.names[second]} to {network.names[first]}"
-                made.append(_Missing(what, row / length))
+                missing.append(_Missing(what, row / length))
     if network.focal is None:
         row = np.zeros(layout.size)
         row[FOCAL] = 1.0
-        made.append(_Missing("the focal length with --focal-px", row))
-    return made
+        missing.append(_Missing("the focal length with --focal-px", row))
+    return missing

@@ -20,14 +20,14 @@ def corrected(subject: Subject) -> Any:
     """The photo without its distortion, or an empty frame of its size."""
     from matplotlib.collections import LineCollection
 
-    made, index = subject.made, subject.photo
-    frame = made.observations.photos[index].frame
-    lines = [line for line in drawn_lines(made) if line.photo == index]
+    calibration, index = subject.calibration, subject.photo
+    frame = calibration.observations.photos[index].frame
+    lines = [line for line in drawn_lines(calibration) if line.photo == index]
     figure = style.sheet(*page_size(frame))
     axes = figure.subplots()
-    blank(axes, frame, _pixels(made.lens, frame, subject.picture))
+    blank(axes, frame, _pixels(calibration.lens, frame, subject.picture))
     raster = sum(len(line.kept) for line in lines) > style.MANY
-    straight = [_ideal_px(made.lens, frame, line.curve_px) for line in lines]
+    straight = [_ideal_px(calibration.lens, frame, line.curve_px) for line in lines]
     axes.add_collection(
         LineCollection(
             straight,
@@ -39,7 +39,7 @@ def corrected(subject: Subject) -> Any:
         ),
         autolim=False,
     )
-    picks = [_ideal_px(made.lens, frame, line.observed_px[line.kept]) for line in lines]
+    picks = [_ideal_px(calibration.lens, frame, line.observed_px[line.kept]) for line in lines]
     every = np.concatenate([*picks, np.zeros((0, 2))])
     axes.plot(
         *every.T,

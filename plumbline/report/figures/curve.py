@@ -21,19 +21,19 @@ def curve(subject: Subject) -> Any:
 
     The band holds whatever scale and place the corrected photo has: lines see neither.
     """
-    made = subject.made
+    calibration = subject.calibration
     figure = style.sheet(style.FULL, 4.6)
     axes, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
-    observed, ideal = radial_curve(made.lens)
+    observed, ideal = radial_curve(calibration.lens)
     observed, shift = np.append(0.0, observed), np.append(0.0, observed - ideal)
-    band = band_px(made, observed)
+    band = band_px(calibration, observed)
     if band is not None:
         filled: dict[str, Any] = {"color": style.SKY, "alpha": 0.4, "linewidth": 0}
-        label = f"95 % band, {_whose(made)}"
+        label = f"95 % band, {_whose(calibration)}"
         axes.fill_between(observed, shift - band, shift + band, label=label, **filled)
         below.fill_between(observed, -band, band, **filled)
     axes.plot(observed, shift, color=style.BLUE, linewidth=1.6, label="displacement")
-    picks = np.concatenate([line.radius_px[line.kept] for line in drawn_lines(made)])
+    picks = np.concatenate([line.radius_px[line.kept] for line in drawn_lines(calibration)])
     axes.plot(
         picks,
         np.full_like(picks, 0.03),
@@ -45,7 +45,7 @@ def curve(subject: Subject) -> Any:
         rasterized=len(picks) > style.MANY,
         label="picks",
     )
-    corner = made.lens.frame.corner_radius * made.lens.frame.radius_px
+    corner = calibration.lens.frame.corner_radius * calibration.lens.frame.radius_px
     for panel in (axes, below):
         panel.axhline(0.0, color=style.MUTED, linewidth=0.7)
         _shade_beyond(panel, float(picks.max()), corner)
@@ -73,24 +73,24 @@ def _shade_beyond(axes: Any, farthest: float, corner: float) -> None:
         )
 
 
-def _whose(made: Calibration) -> str:
-    return "leaving out lines" if made.quotes_jackknife else "independent picking errors"
+def _whose(calibration: Calibration) -> str:
+    return "leaving out lines" if calibration.quotes_jackknife else "independent picking errors"
 
 
-def band_px(made: Calibration, radius_px: Array) -> Array | None:
+def band_px(calibration: Calibration, radius_px: Array) -> Array | None:
     """Half the width of the 95 % band at each radius, the widest of all directions.
 
     Args:
-        made: The calibration.
+        calibration: The calibration.
         radius_px: Distances from the distortion centre in square pixels, shape (n,).
 
     Returns:
         Shape (n,), NaN where no direction leads to a point of the photo; None where the model
         folds inside the photo.
     """
-    frame = made.lens.frame
-    covariance, _ = quoted_covariance(made)
-    centre = frame.normalise(made.lens.centre_px, 1.0)
+    frame = calibration.lens.frame
+    covariance, _ = quoted_covariance(calibration)
+    centre = frame.normalise(calibration.lens.centre_px, 1.0)
     half = np.array(frame.square_size) / 2
     first = float(np.arctan2(half[1], half[0]))  # a diagonal is the longest way in the photo
     turns = 2 * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS
@@ -99,9 +99,9 @@ def band_px(made: Calibration, radius_px: Array) -> Array | None:
     points = frame.to_pixels(centre + radius_px[:, None, None] * away, 1.0)
     inside = frame.contains(points)
     errors = np.full(inside.shape, -np.inf)
-    found = displacement_errors(made.lens, made.free, covariance, points[inside])
+    found = displacement_errors(calibration.lens, calibration.free, covariance, points[inside])
     if found is None:
         return None
     errors[inside] = found
     widest = errors.max(axis=1)
-    return reach(made) * np.where(np.isfinite(widest), widest, np.nan)
+    return reach(calibration) * np.where(np.isfinite(widest), widest, np.nan)

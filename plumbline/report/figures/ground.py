@@ -117,12 +117,12 @@ def _hull(points: Array) -> Array:
     ordered = points[np.lexsort((points[:, 1], points[:, 0]))]
 
     def chain(run: Array) -> list[Array]:
-        made: list[Array] = []
+        hull: list[Array] = []
         for point in run:
-            while len(made) > 1 and _left(made[-2], made[-1], point) <= 0:
-                made.pop()
-            made.append(point)
-        return made[:-1]
+            while len(hull) > 1 and _left(hull[-2], hull[-1], point) <= 0:
+                hull.pop()
+            hull.append(point)
+        return hull[:-1]
 
     corners = [*chain(ordered), *chain(ordered[::-1])]
     return np.array([*corners, corners[0]])

@@ -25,7 +25,7 @@ _LEVELS = 8
 
 def displacement(subject: Subject) -> Any:
     """How far the lens displaces every point, and which way."""
-    lens = subject.made.lens
+    lens = subject.calibration.lens
     points = grid_px(lens, _FINE)
     shift = displacement_px(lens, points)
     figure, axes = _map(lens)
@@ -58,11 +58,11 @@ def displacement(subject: Subject) -> Any:
 
 def uncertainty(subject: Subject) -> Any:
     """The standard error of the correction to quote, and where the picks lie."""
-    made = subject.made
-    points = grid_px(made.lens, _FINE)
-    covariance, _ = quoted_covariance(made)
-    errors = displacement_errors(made.lens, made.free, covariance, points)
-    figure, axes = _map(made.lens)
+    calibration = subject.calibration
+    points = grid_px(calibration.lens, _FINE)
+    covariance, _ = quoted_covariance(calibration)
+    errors = displacement_errors(calibration.lens, calibration.free, covariance, points)
+    figure, axes = _map(calibration.lens)
     if errors is None:
         axes.text(
             0.5,
@@ -74,7 +74,7 @@ def uncertainty(subject: Subject) -> Any:
         )
         return figure
     _filled(figure, axes, points, errors, "one standard error, px", style.ERRORS)
-    picks = _picks(made)
+    picks = _picks(calibration)
     axes.set_title("dots: picks", loc="left")
     axes.plot(
         *picks.T,
@@ -134,15 +134,15 @@ def _filled(figure: Any, axes: Any, points: Array, values: Array, label: str, co
     bar.outline.set_visible(False)
 
 
-def _picks(made: Calibration) -> Array:
+def _picks(calibration: Calibration) -> Array:
     """All picks that were fitted, in the pixels of the lens's frame."""
-    frame = made.lens.frame
-    photos = made.observations.photos
+    frame = calibration.lens.frame
+    photos = calibration.observations.photos
     return np.concatenate(
         [
             frame.to_pixels(
                 photos[line.photo].frame.normalise(line.observed_px[line.kept], 1.0), 1.0
             )
-            for line in drawn_lines(made)
+            for line in drawn_lines(calibration)
         ]
     )

@@ -21,9 +21,9 @@ def photo(subject: Subject) -> Any:
     """The photo, or an empty frame of its size, in its own pixels."""
     from matplotlib.collections import LineCollection
 
-    made = subject.made
-    frame = made.observations.photos[subject.photo].frame
-    lines = [line for line in drawn_lines(made) if line.photo == subject.photo]
+    calibration = subject.calibration
+    frame = calibration.observations.photos[subject.photo].frame
+    lines = [line for line in drawn_lines(calibration) if line.photo == subject.photo]
     figure = style.sheet(*page_size(frame))
     axes = figure.subplots()
     blank(axes, frame, None if subject.picture is None else subject.picture.pixels)
@@ -112,7 +112,7 @@ def _points(lines: list[Drawn], *, kept: bool) -> Array:
 
 def _suspects(axes: Any, subject: Subject, lines: list[Drawn], *, raster: bool) -> None:
     drawn = {line.index: line for line in lines}
-    named = [each for each in subject.made.suspects if each.line in drawn]
+    named = [each for each in subject.calibration.suspects if each.line in drawn]
     if not named:
         return
     rings = np.concatenate([drawn[each.line].observed_px[list(each.picks)] for each in named])

@@ -20,11 +20,11 @@ _COLUMNS = 4
 
 def radius(subject: Subject) -> Any:
     """Residuals over the distance from the distortion centre."""
-    made = subject.made
-    lines = drawn_lines(made)
+    calibration = subject.calibration
+    lines = drawn_lines(calibration)
     figure = style.sheet(style.FULL, 3.2)
     axes = figure.subplots()
-    sigma = made.sigma_px
+    sigma = calibration.sigma_px
     for level, label in ((2 * sigma, "± 2 σ̂"), (-2 * sigma, None)):
         axes.axhline(level, color=style.SKY, linewidth=1.2, linestyle="--", label=label)
     axes.axhline(0.0, color=style.MUTED, linewidth=0.7)
@@ -39,15 +39,15 @@ def radius(subject: Subject) -> Any:
         "o",
         ms=1.5 if many else 3.4,
         color=style.BLUE,
-        label="matches" if isinstance(made, PairCalibration) else "picks",
+        label="matches" if isinstance(calibration, PairCalibration) else "picks",
         rasterized=many,
     )
     limit = _limit(lines)
     _left_out(axes, x[~kept], y[~kept], limit)
     axes.set_ylim(-limit, limit)
-    axes.set_xlim(0, made.lens.frame.corner_radius * made.lens.frame.radius_px)
+    axes.set_xlim(0, calibration.lens.frame.corner_radius * calibration.lens.frame.radius_px)
     axes.set_xlabel("distance from the distortion centre, px (right end: corner)")
-    axes.set_ylabel(f"residual outwards, {_pixels(made)}")
+    axes.set_ylabel(f"residual outwards, {_pixels(calibration)}")
     figure.legend(loc="outside upper left", ncols=4)
     return figure
 
@@ -56,12 +56,12 @@ def along(subject: Subject) -> Any:
     """Residuals along every line, or the worst of many; a bow that they share is the model's."""
     from matplotlib.ticker import MaxNLocator
 
-    made = subject.made
-    lines = list(drawn_lines(made))
+    calibration = subject.calibration
+    lines = list(drawn_lines(calibration))
     what = ""
     if len(lines) > _MOST:
         what = f" (the {_MOST} of {len(lines):,} lines with the largest residuals)"
-        worst = [line.largest_after_px for line in made.lines]
+        worst = [line.largest_after_px for line in calibration.lines]
         lines = sorted(lines, key=lambda line: -worst[line.index])[:_MOST]
         lines.sort(key=lambda line: line.index)
     columns = min(_COLUMNS, len(lines))
@@ -89,7 +89,7 @@ def along(subject: Subject) -> Any:
     panels[0].set_ylim(-limit, limit)
     panels[0].xaxis.set_major_locator(MaxNLocator(4))
     figure.supxlabel(f"position along the line, px of the corrected photo{what}", fontsize=9)
-    figure.supylabel(f"residual outwards, {_pixels(made)}", fontsize=9)
+    figure.supylabel(f"residual outwards, {_pixels(calibration)}", fontsize=9)
     return figure
 
 
@@ -113,5 +113,5 @@ def _limit(lines: Sequence[Drawn]) -> float:
     return 1.1 * largest if largest > 0 else 1.0
 
 
-def _pixels(made: Calibration) -> str:
-    return "px" if made.residual == "image" else "px of the corrected photo"
+def _pixels(calibration: Calibration) -> str:
+    return "px" if calibration.residual == "image" else "px of the corrected photo"

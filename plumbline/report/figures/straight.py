@@ -19,7 +19,7 @@ def lines(subject: Subject) -> Any:
     """Root mean square residual of every line, or of the worst of many, on a logarithmic axis."""
     from matplotlib.ticker import LogLocator, NullLocator, StrMethodFormatter
 
-    measured = [line for line in subject.made.lines if not line.left_out]
+    measured = [line for line in subject.calibration.lines if not line.left_out]
     label = "line"
     if len(measured) > _MOST:
         label = f"line (the {_MOST} of {len(measured):,} with the largest residuals)"

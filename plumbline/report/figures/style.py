@@ -110,8 +110,8 @@ def svg_tree(figure: Any) -> Any:
         picture.set_gid(place)
         picture.set_data(pixels[place][:1, :1])  # no PNG is made of the whole
     out = io.BytesIO()
-    made = f"{MARK} {__version__}"
-    figure.savefig(out, format="svg", dpi=_DPI, metadata={"Creator": made, "Date": None})
+    creator = f"{MARK} {__version__}"
+    figure.savefig(out, format="svg", dpi=_DPI, metadata={"Creator": creator, "Date": None})
     root = etree.fromstring(out.getvalue(), etree.XMLParser(huge_tree=True))
     for image in root.iter(f"{_SVG}image"):
         place = image.get("id", "")

@@ -27,12 +27,12 @@ class Subject:
     """A calibration, and one of its photos.
 
     Attributes:
-        made: The calibration.
+        calibration: The calibration.
         photo: Index of the photo.
         picture: That photo's pixels; None where there are none.
     """
 
-    made: Calibration
+    calibration: Calibration
     photo: int = 0
     picture: Picture | None = None
 
@@ -67,13 +67,13 @@ class Drawn:
     residual_px: Array
 
 
-def drawn_lines(made: Calibration) -> tuple[Drawn, ...]:
+def drawn_lines(calibration: Calibration) -> tuple[Drawn, ...]:
     """Every line of a calibration, or every part of a pair's matches."""
-    if isinstance(made, PairCalibration):
-        return _drawn_parts(made)
-    lens, linear = made.lens, made.linearised
-    frames = [photo.frame for photo in made.observations.photos]
-    observed = np.concatenate(in_frame(made.observations, lens.frame))
+    if isinstance(calibration, PairCalibration):
+        return _drawn_parts(calibration)
+    lens, linear = calibration.lens, calibration.linearised
+    frames = [photo.frame for photo in calibration.observations.photos]
+    observed = np.concatenate(in_frame(calibration.observations, lens.frame))
     # Ideal points are measured from the distortion centre, observed ones from the photo's.
     ideal = undistorted(lens, observed).uv
     line, kept = linear.line, linear.kept
@@ -88,7 +88,7 @@ def drawn_lines(made: Calibration) -> tuple[Drawn, ...]:
     found: list[Drawn] = []
     for index, (start, end) in enumerate(zip(starts.tolist(), ends.tolist(), strict=True)):
         which = slice(start, end)
-        source = made.observations.lines[index]
+        source = calibration.observations.lines[index]
         frame = frames[source.photo]
         span = linear.along_px[which][kept[which]]
         reach = np.linspace(span.min(), span.max(), _CURVE) if len(span) else np.zeros(0)
@@ -111,13 +111,15 @@ def drawn_lines(made: Calibration) -> tuple[Drawn, ...]:
     return tuple(found)
 
 
-def _drawn_parts(made: PairCalibration) -> tuple[Drawn, ...]:
+def _drawn_parts(calibration: PairCalibration) -> tuple[Drawn, ...]:
     """Matches in the original beside where the lens puts them; there are no lines."""
-    centre = np.array(made.lens.centre_px)
+    centre = np.array(calibration.lens.centre_px)
     found: list[Drawn] = []
     first = 0
-    for index, (source, kept) in enumerate(zip(made.observations.lines, made.kept, strict=True)):
-        vectors = made.vectors_px[first : first + len(kept)]
+    for index, (source, kept) in enumerate(
+        zip(calibration.observations.lines, calibration.kept, strict=True)
+    ):
+        vectors = calibration.vectors_px[first : first + len(kept)]
         first += len(kept)
         outwards = source.points_px - centre
         radius_px = np.hypot(outwards[:, 0], outwards[:, 1])
@@ -148,16 +150,16 @@ def seen(lens: Lens, frame: Frame, ideal: Array) -> Array:
     return frame.to_pixels(lens.frame.normalise(observed, 1.0), 1.0)
 
 
-def quoted_covariance(made: Calibration) -> tuple[Array, int]:
+def quoted_covariance(calibration: Calibration) -> tuple[Array, int]:
     """The covariance whose errors are the ones to quote, and its degrees of freedom."""
-    if made.quotes_jackknife and made.jackknife is not None:
-        return made.jackknife.covariance, made.jackknife.dof
-    return made.covariance, made.dof
+    if calibration.quotes_jackknife and calibration.jackknife is not None:
+        return calibration.jackknife.covariance, calibration.jackknife.dof
+    return calibration.covariance, calibration.dof
 
 
-def reach(made: Calibration) -> float:
+def reach(calibration: Calibration) -> float:
     """How many standard errors to quote a 95 % interval takes."""
-    return quantile(0.975, quoted_covariance(made)[1])
+    return quantile(0.975, quoted_covariance(calibration)[1])
 
 
 def round_factor(wanted_px: float, size_px: float) -> float:

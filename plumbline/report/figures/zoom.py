@@ -53,7 +53,7 @@ def plot_zoom(lens: ZoomLens, target: Path) -> bytes:
     axes[-1].set_xlabel("focal length, mm (dotted: another calibration is most needed)")
     axes[0].set_title(f"{lens.model.label}, {lens.method}, ± 1 standard error")
     out = io.BytesIO()
-    made = f"{MARK} {__version__}"
-    metadata = {"Software": made} if suffix == ".png" else {"Creator": made, "Date": None}
+    creator = f"{MARK} {__version__}"
+    metadata = {"Software": creator} if suffix == ".png" else {"Creator": creator, "Date": None}
     figure.savefig(out, format=suffix[1:], dpi=120, metadata=metadata)
     return out.getvalue()

@@ -31,12 +31,12 @@ class Part:
     """One lens of a report.
 
     Attributes:
-        made: Its calibration.
+        calibration: Its calibration.
         found: Its photos.
         compared: The models side by side; None where they were not compared.
     """
 
-    made: Calibration
+    calibration: Calibration
     found: Found
     compared: Comparison | None = None
 
@@ -61,7 +61,7 @@ def page_bytes(parts: Sequence[Part], assignment: Assignment) -> bytes:
         parts: One a lens.
         assignment: What the report is for.
     """
-    names = [lens_title(part.made.observations) for part in parts]
+    names = [lens_title(part.calibration.observations) for part in parts]
     style = files("plumbline.report.page").joinpath("page.css").read_text("utf-8")
     head = tag(
         "head",
@@ -76,7 +76,7 @@ def page_bytes(parts: Sequence[Part], assignment: Assignment) -> bytes:
     for part, name in zip(parts, names, strict=True):
         title = tag("h2", name) if len(parts) > 1 else None
         sections.append(tag("section", title, *_section(part, first)))
-        first += count_figures(part.made)
+        first += count_figures(part.calibration)
     heading = names[0] if len(parts) == 1 else count(len(parts), "lens").replace("lenss", "lenses")
     body = tag(
         "body",
@@ -99,49 +99,49 @@ def _assigned(assignment: Assignment) -> Element | None:
 
 def _style(text: str) -> Element:
     """Our own style sheet: the one text of a page that `tag` must not touch."""
-    made = tag("style")
-    made.text = text
-    return made
+    element = tag("style")
+    element.text = text
+    return element
 
 
 def _section(part: Part, first: int) -> Iterator[Node]:
-    made = part.made
-    yield tag("p", f"{finding_sentence(made)}.", class_="finding")
-    yield tag("p", verdict(made, part.compared), class_="quote")
+    calibration = part.calibration
+    yield tag("p", f"{finding_sentence(calibration)}.", class_="finding")
+    yield tag("p", verdict(calibration, part.compared), class_="quote")
     yield tag("dl", *(node for pair in _subject(part) for node in pair))
     yield from (tag("p", f"{note}.", class_="muted") for note in part.found.notes)
-    yield from figures(made, part.found, first)
+    yield from figures(calibration, part.found, first)
     yield tag("h3", "Coefficients")
-    yield from tables.coefficients(made)
-    matrix = tables.correlations(made)
+    yield from tables.coefficients(calibration)
+    matrix = tables.correlations(calibration)
     if matrix is not None:
         yield tag("h3", "Correlations")
         yield matrix
-    if isinstance(made, PairCalibration):
+    if isinstance(calibration, PairCalibration):
         yield tag("h3", "Matches by part of the photo")
-        yield tables.straightness(made)
+        yield tables.straightness(calibration)
     else:
         yield tag("h3", "Straightness of the lines")
-        yield tables.straightness(made)
+        yield tables.straightness(calibration)
         yield tag("h3", "Suspicious picks")
-        yield tables.suspects(made)
+        yield tables.suspects(calibration)
     yield tag("h3", "Checks")
-    yield tables.checks(made)
-    yield from (tag("p", sentence, class_="muted") for sentence in tables.errors(made))
+    yield tables.checks(calibration)
+    yield from (tag("p", sentence, class_="muted") for sentence in tables.errors(calibration))
     if part.compared is not None:
         yield tag("h3", "Models compared")
-        fitted = recommends_the_fitted(made, part.compared)
+        fitted = recommends_the_fitted(calibration, part.compared)
         yield from tables.comparison(part.compared, quoted=fitted)
     yield tag("h3", "Limits")
-    yield tag("ul", *(tag("li", sentence) for sentence in limits(made)))
-    notes = tables.further_notes(made)
+    yield tag("ul", *(tag("li", sentence) for sentence in limits(calibration)))
+    notes = tables.further_notes(calibration)
     if notes:
         yield tag("h3", "Notes")
         yield tag("ul", *(tag("li", note) for note in notes))
     yield tag("h3", "How it was made")
     yield tag("dl", *(node for pair in _provenance(part) for node in pair))
     yield tag("h3", "Picks")
-    yield from tables.picks(made)
+    yield from tables.picks(calibration)
 
 
 def _row(name: str, *content: Node) -> tuple[Node, Node]:
@@ -150,10 +150,10 @@ def _row(name: str, *content: Node) -> tuple[Node, Node]:
 
 def _subject(part: Part) -> Iterator[tuple[Node, Node]]:
     """Which camera, lens and photos it is about."""
-    observations = part.made.observations
+    observations = part.calibration.observations
     facts = observations.lenses[0]
     serials = dict.fromkeys(photo.serial for photo in observations.photos if photo.serial)
-    focal_mm = facts.focal_length_mm(part.made.lens.frame)
+    focal_mm = facts.focal_length_mm(part.calibration.lens.frame)
     rows = {
         "camera": facts.camera,
         "serial number": ", ".join(serials),
@@ -177,22 +177,24 @@ def _subject(part: Part) -> Iterator[tuple[Node, Node]]:
 
 
 def _provenance(part: Part) -> Iterator[tuple[Node, Node]]:
-    made = part.made
+    calibration = part.calibration
 
-    yield _row("plumbline", made.version)
-    if made.command:
-        yield _row("command", tag("code", made.command))
-    for origin in made.observations.origins:
+    yield _row("plumbline", calibration.version)
+    if calibration.command:
+        yield _row("command", tag("code", calibration.command))
+    for origin in calibration.observations.origins:
         yield _row("points", f"{origin.path} ({origin.format})", *_checksum(origin.sha256))
-    model = made.lens.model
+    model = calibration.lens.model
     yield _row(
         "model",
-        f"{made.model}: {model.formula}, {model.direction}; r in units of {model.unit}, scale 1 "
-        f"at r = {model.gauge}. {model.source}",
+        f"{calibration.model}: {model.formula}, {model.direction}; r in units of {model.unit}, "
+        f"scale 1 at r = {model.gauge}. {model.source}",
     )
-    yield _row("free", ", ".join(made.free))
-    yield _row("residuals", _RESIDUALS[made.residual])
-    yield _row("fit", f"{'robust' if made.robust else 'least squares'}; {made.reason}")
+    yield _row("free", ", ".join(calibration.free))
+    yield _row("residuals", _RESIDUALS[calibration.residual])
+    yield _row(
+        "fit", f"{'robust' if calibration.robust else 'least squares'}; {calibration.reason}"
+    )
 
 
 def _checksum(sha256: str, note: str = "") -> tuple[Node, ...]:

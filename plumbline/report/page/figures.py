@@ -43,19 +43,19 @@ _OF_LINES = ("lines", "along", "corrected")
 _PAIR = ("displacement", "uncertainty")
 
 
-def figures(made: Calibration, found: Found, first: int) -> Iterator[Element]:
+def figures(calibration: Calibration, found: Found, first: int) -> Iterator[Element]:
     """The figures of one lens.
 
     Args:
-        made: Its calibration.
+        calibration: Its calibration.
         found: Its photos.
         first: Number of the first figure.
     """
     number = first
     pair: list[Element] = []
     for name in FIGURES:
-        for photo in shown_photos(name, made):
-            figure = _figure(name, Subject(made, photo, found.pictures[photo]), number)
+        for photo in shown_photos(name, calibration):
+            figure = _figure(name, Subject(calibration, photo, found.pictures[photo]), number)
             number += 1
             if name not in _PAIR:
                 yield figure
@@ -65,24 +65,24 @@ def figures(made: Calibration, found: Found, first: int) -> Iterator[Element]:
                 yield tag("div", *pair, class_="pair")
 
 
-def shown_photos(name: str, made: Calibration) -> range:
+def shown_photos(name: str, calibration: Calibration) -> range:
     """For which photos a figure is drawn: every one, or the first to stand for them all."""
-    if name in _OF_LINES and isinstance(made, PairCalibration):
+    if name in _OF_LINES and isinstance(calibration, PairCalibration):
         return range(0)
-    return range(len(made.observations.photos) if name in OF_EVERY_PHOTO else 1)
+    return range(len(calibration.observations.photos) if name in OF_EVERY_PHOTO else 1)
 
 
-def count_figures(made: Calibration) -> int:
+def count_figures(calibration: Calibration) -> int:
     """How many figures a lens has."""
-    return sum(len(shown_photos(name, made)) for name in FIGURES)
+    return sum(len(shown_photos(name, calibration)) for name in FIGURES)
 
 
 def _figure(name: str, subject: Subject, number: int) -> Element:
     shows = _SHOWS[name]
-    if isinstance(subject.made, PairCalibration):
+    if isinstance(subject.calibration, PairCalibration):
         shows = _SHOWS_OF_A_PAIR.get(name, shows)
     if name in OF_EVERY_PHOTO:
-        photo = subject.made.observations.photos[subject.photo]
+        photo = subject.calibration.observations.photos[subject.photo]
         empty = "" if subject.picture else " The photo itself is not at hand."
         shows = f"{photo_name(photo)}. {shows}.{empty}"
     else:

@@ -24,17 +24,17 @@ def tag(name: str, /, *children: Node | None, **attributes: str) -> Element:
     Strings are text from wherever it comes: lxml escapes them, and what no page could show is
     replaced.
     """
-    made = etree.Element(name, {n.rstrip("_"): printable(v) for n, v in attributes.items()})
+    element = etree.Element(name, {n.rstrip("_"): printable(v) for n, v in attributes.items()})
     for child in children:
         if child is None:
             continue
         if not isinstance(child, str):
-            made.append(child)
-        elif len(made):
-            made[-1].tail = (made[-1].tail or "") + printable(child)
+            element.append(child)
+        elif len(element):
+            element[-1].tail = (element[-1].tail or "") + printable(child)
         else:
-            made.text = (made.text or "") + printable(child)
-    return made
+            element.text = (element.text or "") + printable(child)
+    return element
 
 
 def table(head: Sequence[Node], rows: Rows, *, text: Iterable[int] = (0,)) -> Element:
@@ -48,11 +48,11 @@ def table(head: Sequence[Node], rows: Rows, *, text: Iterable[int] = (0,)) -> El
     words = set(text)
 
     def cells(kind: str, row: Sequence[Node]) -> Element:
-        made = (
+        element = (
             tag(kind, cell, **({} if column in words else {"class_": "number"}))
             for column, cell in enumerate(row)
         )
-        return tag("tr", *made)
+        return tag("tr", *element)
 
     body = tag("tbody", *(cells("td", row) for row in rows))
     return tag("div", tag("table", tag("thead", cells("th", head)), body), class_="wide")

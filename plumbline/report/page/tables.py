@@ -26,24 +26,24 @@ _MOST_PICKS = 3_000
 """Chosen, because more fill over fifty pages, which nobody reads; the JSON holds all."""
 
 
-def coefficients(made: Calibration) -> Iterator[Element]:
+def coefficients(calibration: Calibration) -> Iterator[Element]:
     """Values, standard errors and intervals; beside them those of the jackknife."""
-    errors = [(made.standard_errors, made.dof)]
+    errors = [(calibration.standard_errors, calibration.dof)]
     head = ["coefficient", "value", "start", "± std. error", "95 % interval"]
-    left = made.jackknife
+    left = calibration.jackknife
     if left is not None:
         deviations = np.sqrt(np.diag(left.covariance)).tolist()
-        errors.append((dict(zip(made.free, deviations, strict=True)), left.dof))
+        errors.append((dict(zip(calibration.free, deviations, strict=True)), left.dof))
         head += ["± line by line", "95 % interval"]
     rows: list[list[Node]] = []
-    for name, value in made.coefficients.items():
+    for name, value in calibration.coefficients.items():
         least, unit = (3, " px") if name in CENTRE else (6, "")
-        digits = decimals(made.standard_errors.get(name, value), least)
+        digits = decimals(calibration.standard_errors.get(name, value), least)
         shown = f"{value:.{digits}f}{unit}"
-        if name not in made.free:
+        if name not in calibration.free:
             rows.append([name, shown, "held", *[""] * (len(head) - 3)])
             continue
-        row: list[Node] = [name, shown, f"{made.start[name]:g}"]
+        row: list[Node] = [name, shown, f"{calibration.start[name]:g}"]
         for deviation, dof in errors:
             error = deviation[name]
             reach = quantile(0.975, dof) * error
@@ -53,43 +53,43 @@ def coefficients(made: Calibration) -> Iterator[Element]:
     yield table(head, rows)
     yield tag(
         "p",
-        f"σ̂ = {made.sigma_px:.3f} px, the scatter of one pick across its line, with "
-        f"{count(made.dof, 'degree')} of freedom. Standard errors hold for independent picking "
-        "errors on straight edges; those line by line (jackknife) also see errors that the picks "
-        "of one line share.",
+        f"σ̂ = {calibration.sigma_px:.3f} px, the scatter of one pick across its line, with "
+        f"{count(calibration.dof, 'degree')} of freedom. Standard errors hold for independent "
+        "picking errors on straight edges; those line by line (jackknife) also see errors that the "
+        "picks of one line share.",
         class_="muted",
     )
 
 
-def correlations(made: Calibration) -> Element | None:
+def correlations(calibration: Calibration) -> Element | None:
     """The correlation matrix of the free coefficients, strong ones marked."""
-    if len(made.free) < 2:
+    if len(calibration.free) < 2:
         return None
     rows: list[list[Node]] = []
-    for i, name in enumerate(made.free):
-        values = [(f"{value:+.3f}", abs(value) > _STRONG) for value in made.correlation[i]]
+    for i, name in enumerate(calibration.free):
+        values = [(f"{value:+.3f}", abs(value) > _STRONG) for value in calibration.correlation[i]]
         marked = [
             tag("b", text) if strong and i != j else text for j, (text, strong) in enumerate(values)
         ]
         rows.append([name, *marked])
-    return table(["", *made.free], rows)
+    return table(["", *calibration.free], rows)
 
 
-def straightness(made: Calibration) -> Element:
+def straightness(calibration: Calibration) -> Element:
     """Every line before and after."""
-    photos = made.observations.photos
+    photos = calibration.observations.photos
     several = len(photos) > 1
-    paired = isinstance(made, PairCalibration)
+    paired = isinstance(calibration, PairCalibration)
     head = ["part (row.column)" if paired else "line", *(["photo"] if several else [])]
     head.append("matches" if paired else "points")
-    if made.robust:
+    if calibration.robust:
         head.append("left out")
     head += ["rms before, px", "rms after, px", "largest after, px"]
     rows: list[list[Node]] = []
-    for line, kept in zip(made.lines, made.kept, strict=True):
+    for line, kept in zip(calibration.lines, calibration.kept, strict=True):
         row: list[Node] = [line.label, *([photo_name(photos[line.photo])] if several else [])]
         row.append(str(line.n_points))
-        if made.robust:
+        if calibration.robust:
             row.append(str(int(np.count_nonzero(~kept))))
         numbers = (line.rms_before_px, line.rms_after_px, line.largest_after_px)
         shown = ["left out", "", ""] if line.left_out else [f"{number:.2f}" for number in numbers]
@@ -97,38 +97,38 @@ def straightness(made: Calibration) -> Element:
     return table(head, rows, text=range(1 + several))
 
 
-def suspects(made: Calibration) -> Element:
+def suspects(calibration: Calibration) -> Element:
     """Every suspicious pick with its residual."""
-    if not made.suspects:
-        n_points = made.observations.n_points
+    if not calibration.suspects:
+        n_points = calibration.observations.n_points
         return tag("p", f"None of the {count(n_points, 'pick')} is suspicious.")
     rows: list[list[Node]] = [
         [
             f"{each.sentence}.",
             _finite(each.residual_px, ".2f"),
             _finite(each.studentised, ".1f"),
-            _fate(made, each),
+            _fate(calibration, each),
         ]
-        for each in made.suspects
+        for each in calibration.suspects
     ]
     head = ("what it looks like", "residual, px", "in its own σ̂", "fit")
     return table(head, rows)
 
 
-def _fate(made: Calibration, suspect: Suspect) -> str:
+def _fate(calibration: Calibration, suspect: Suspect) -> str:
     if not suspect.left_out:
         return "kept"
-    return "left out" if made.robust else "kept; --robust would leave it out"
+    return "left out" if calibration.robust else "kept; --robust would leave it out"
 
 
 def _finite(value: float, form: str) -> str:
     return format(value, form) if np.isfinite(value) else "beyond the fold"
 
 
-def checks(made: Calibration) -> Element:
+def checks(calibration: Calibration) -> Element:
     """Whether lines are well placed and the result is to be trusted, and the remedies."""
     rows: list[list[Node]] = []
-    for check in made.checks:
+    for check in calibration.checks:
         verdict = _verdict(check)
         kind = "doubtful" if check.passed else "bad"
         remedy = tag("div", f"→ {check.remedy}", class_=kind) if check.remedy else None
@@ -181,19 +181,19 @@ def _candidate(each: Candidate, index: int, compared: Comparison) -> list[Node]:
     name = tag("b", each.name) if index == compared.recommended else each.name
     equals = tag("div", f"= {', '.join(each.equals)}", class_="muted") if each.equals else None
     model = tag("div", name, equals)
-    made = each.calibration
-    if made is None or each.aicc is None:
+    calibration = each.calibration
+    if calibration is None or each.aicc is None:
         return [model, each.failure, *figures(each, compared)]
-    values = tag("div", *(tag("div", text) for text in coefficient_texts(made)))
+    values = tag("div", *(tag("div", text) for text in coefficient_texts(calibration)))
     return [model, values, *figures(each, compared)]
 
 
-def errors(made: Calibration) -> Iterator[str]:
+def errors(calibration: Calibration) -> Iterator[str]:
     """Where the error to quote comes from, in sentences."""
-    sure, wide = made.displacement, made.jackknife_displacement
+    sure, wide = calibration.displacement, calibration.jackknife_displacement
     if sure is None:
         return
-    if made.quotes_jackknife:
+    if calibration.quotes_jackknife:
         yield (
             "The error to quote comes from leaving out one line at a time, and not from "
             f"independent picking errors, which give {px(sure.worst_px)}: picks of one line err "
@@ -208,15 +208,15 @@ def errors(made: Calibration) -> Iterator[str]:
         yield "The error to quote holds for independent picking errors only."
 
 
-def further_notes(made: Calibration) -> list[str]:
+def further_notes(calibration: Calibration) -> list[str]:
     """The notes that no table of the page holds already."""
-    told = {check.sentence for check in made.checks}
-    return [note for note in made.notes if note not in told]
+    told = {check.sentence for check in calibration.checks}
+    return [note for note in calibration.notes if note not in told]
 
 
-def picks(made: Calibration) -> Iterator[Element]:
+def picks(calibration: Calibration) -> Iterator[Element]:
     """Every pick with its residual, one small table a line."""
-    photos, n_points = made.observations.photos, made.observations.n_points
+    photos, n_points = calibration.observations.photos, calibration.observations.n_points
     yield tag(
         "p",
         f"{count(n_points, 'pick')} in pixels of the photo, from the centre of its top-left "
@@ -225,7 +225,9 @@ def picks(made: Calibration) -> Iterator[Element]:
     )
     shown = 0
     blocks: list[Element] = []
-    every = zip(made.observations.lines, made.residuals_px, made.kept, strict=True)
+    every = zip(
+        calibration.observations.lines, calibration.residuals_px, calibration.kept, strict=True
+    )
     for line, residuals_px, kept in every:
         if shown + len(kept) > _MOST_PICKS:
             break

@@ -15,11 +15,11 @@ _BEHIND = 4.0
 D. Anderson 2002, section 2.6."""
 
 
-def verdict(made: Calibration, compared: Comparison | None) -> str:
+def verdict(calibration: Calibration, compared: Comparison | None) -> str:
     """Whether the calibration can be used, in one sentence."""
-    failed = [check.name for check in made.checks if not check.passed]
-    doubtful = [check.name for check in made.checks if check.passed and check.doubtful]
-    n = count(len(made.checks), "check")
+    failed = [check.name for check in calibration.checks if not check.passed]
+    doubtful = [check.name for check in calibration.checks if check.passed and check.doubtful]
+    n = count(len(calibration.checks), "check")
     if failed:
         word = "usable within the limits below"
         why = f"{len(failed)} of {n} failed ({joined(failed)})"
@@ -28,16 +28,16 @@ def verdict(made: Calibration, compared: Comparison | None) -> str:
         why = f"no check failed; {len(doubtful)} of {n} left a doubt ({joined(doubtful)})"
     else:
         word, why = "usable", f"all {n} passed"
-    better = _better(made, compared)
-    return f"Verdict: {word}: {_error(made)}; {why}{better}."
+    better = _better(calibration, compared)
+    return f"Verdict: {word}: {_error(calibration)}; {why}{better}."
 
 
-def _error(made: Calibration) -> str:
-    sure = made.quoted_displacement
+def _error(calibration: Calibration) -> str:
+    sure = calibration.quoted_displacement
     if sure is None:
         return "the model folds inside the photo, and the error of the correction is not known"
-    left = made.jackknife
-    dof = left.dof if made.quotes_jackknife and left is not None else made.dof
+    left = calibration.jackknife
+    dof = left.dof if calibration.quotes_jackknife and left is not None else calibration.dof
     interval = px(quantile(0.975, dof) * sure.worst_px)
     return (
         f"the correction is uncertain by at most {px(sure.worst_px)} ({sure.worst_place}; one "
@@ -45,9 +45,9 @@ def _error(made: Calibration) -> str:
     )
 
 
-def _better(made: Calibration, compared: Comparison | None) -> str:
+def _better(calibration: Calibration, compared: Comparison | None) -> str:
     """The model that fits better, if one does."""
-    own = None if compared is None else _row_of(made, compared)
+    own = None if compared is None else _row_of(calibration, compared)
     if compared is None or own is None:
         return ""
     taken = compared.candidates[compared.recommended]
@@ -59,23 +59,27 @@ def _better(made: Calibration, compared: Comparison | None) -> str:
     )
 
 
-def _row_of(made: Calibration, compared: Comparison) -> Candidate | None:
+def _row_of(calibration: Calibration, compared: Comparison) -> Candidate | None:
     """The fitted model's row."""
-    alike = (row for row in compared.candidates if (row.model, row.free) == (made.model, made.free))
+    alike = (
+        row
+        for row in compared.candidates
+        if (row.model, row.free) == (calibration.model, calibration.free)
+    )
     return next(alike, None)
 
 
-def recommends_the_fitted(made: Calibration, compared: Comparison) -> bool:
+def recommends_the_fitted(calibration: Calibration, compared: Comparison) -> bool:
     """Whether the comparison recommends the model that was fitted."""
-    return compared.candidates[compared.recommended] is _row_of(made, compared)
+    return compared.candidates[compared.recommended] is _row_of(calibration, compared)
 
 
-def limits(made: Calibration) -> Iterator[str]:
+def limits(calibration: Calibration) -> Iterator[str]:
     """What the calibration does not cover, in sentences."""
-    facts, frame = made.observations.lenses[0], made.lens.frame
+    facts, frame = calibration.observations.lenses[0], calibration.lens.frame
     focal_mm = facts.focal_length_mm(frame)
     at = f"at {focal_mm:.4g} mm, " if focal_mm else ""
-    names = joined([photo_name(photo) for photo in made.observations.photos])
+    names = joined([photo_name(photo) for photo in calibration.observations.photos])
     yield (
         f"It holds for this lens {at}focused as for {names}, and for whole photos of the same "
         "camera: zooming, focusing, stabilisation and cropping change the distortion."
@@ -89,6 +93,6 @@ def limits(made: Calibration) -> Iterator[str]:
         "Straight lines tell neither the scale nor the position of the corrected photo, nor its "
         "perspective: distances cannot be measured from this calibration alone."
     )
-    for check in made.checks:
+    for check in calibration.checks:
         if check.name == "radius":
             yield f"{check.finding[:1].upper()}{check.finding[1:]}."

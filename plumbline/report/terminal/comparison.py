@@ -20,8 +20,10 @@ def print_comparison(console: Console, comparison: Comparison) -> None:
     """Print the table, the coefficients, what is recommended and why."""
     console.print(comparison_table(comparison))
     for candidate in comparison.candidates:
-        made = candidate.calibration
-        told = candidate.failure if made is None else ", ".join(coefficient_texts(made))
+        calibration = candidate.calibration
+        told = (
+            candidate.failure if calibration is None else ", ".join(coefficient_texts(calibration))
+        )
         names = " = ".join((candidate.name, *candidate.equals))
         _print(console, f"{names}: {escape(printable(told))}")
     chosen = comparison.candidates[comparison.recommended]
@@ -37,13 +39,13 @@ def print_comparison(console: Console, comparison: Comparison) -> None:
     _print(console, f"Fit it with {fitted}{robust}{same}, or with --model auto{robust}")
 
 
-def _print_suspects(console: Console, made: Calibration) -> None:
-    suspects = sum(len(suspect.picks) for suspect in made.suspects if suspect.left_out)
+def _print_suspects(console: Console, calibration: Calibration) -> None:
+    suspects = sum(len(suspect.picks) for suspect in calibration.suspects if suspect.left_out)
     if not suspects:
         return
     them = "it" if suspects == 1 else "them"
     told = f"took part: see plumbline check and mend {them} first, or leave {them} out with"
-    if made.robust:
+    if calibration.robust:
         told = f"{'was' if suspects == 1 else 'were'} left out: plumbline fit lists {them} with"
     _print(console, f"• {count(suspects, 'suspicious pick')} {told} --robust")
 
@@ -62,11 +64,11 @@ def comparison_table(comparison: Comparison) -> Table:
 
 def figures(candidate: Candidate, comparison: Comparison) -> list[str]:
     """The numbers of a row: rms, AICc above the lowest, lines left out, off the best, fold."""
-    made = candidate.calibration
-    if made is None or candidate.aicc is None:
+    calibration = candidate.calibration
+    if calibration is None or candidate.aicc is None:
         return ["no fit", "", "", "", "", ""]
     return [
-        f"{made.rms_after_px:.3f}",
+        f"{calibration.rms_after_px:.3f}",
         _shown(comparison.delta_aicc(candidate), "+.1f"),
         _shown(candidate.left_out_px, ".3f"),
         _shown(candidate.difference_px, ".2f"),
@@ -79,14 +81,14 @@ def _shown(value: float | None, form: str) -> str:
     return format(value, form) if value is not None and isfinite(value) else "–"
 
 
-def coefficient_texts(made: Calibration) -> list[str]:
+def coefficient_texts(calibration: Calibration) -> list[str]:
     """The free coefficients with their standard errors."""
     return [
-        f"{name} {value:+.1f} ± {made.standard_errors[name]:.1f} px"
+        f"{name} {value:+.1f} ± {calibration.standard_errors[name]:.1f} px"
         if name in CENTRE
-        else f"{name} {value:+.4f} ± {made.standard_errors[name]:.4f}"
-        for name, value in made.coefficients.items()
-        if name in made.free
+        else f"{name} {value:+.4f} ± {calibration.standard_errors[name]:.4f}"
+        for name, value in calibration.coefficients.items()
+        if name in calibration.free
     ]
 
 

@@ -15,21 +15,21 @@ from plumbline.ground.measure import Measurement
 _DIGITS = {"place": 3, "distance": 3, "angle": 2, "area": 2}
 
 
-def print_measurements(console: Console, made: Sequence[Measurement]) -> None:
+def print_measurements(console: Console, measurements: Sequence[Measurement]) -> None:
     """Print a table of values with their 95 % bars, and one of places with their ellipses."""
-    places = [each for each in made if each.kind == "place"]
-    others = [each for each in made if each.kind != "place"]
+    places = [each for each in measurements if each.kind == "place"]
+    others = [each for each in measurements if each.kind != "place"]
     if places:
         console.print(_places(places))
     if others:
         console.print(_values(others))
 
 
-def _places(made: Sequence[Measurement]) -> Table:
+def _places(measurements: Sequence[Measurement]) -> Table:
     table = Table(box=box.SIMPLE, pad_edge=False)
     for heading in ("place", "X, m", "± 95 %", "Y, m", "± 95 %", "95 % ellipse, m", "long axis"):
         table.add_column(heading, justify="left" if heading == "place" else "right", no_wrap=True)
-    for each in made:
+    for each in measurements:
         cells: list[str] = []
         for value, (low, high) in zip(each.values, each.intervals, strict=True):
             cells += [f"{value:.3f}", f"{(high - low) / 2:.3f}"]
@@ -38,12 +38,12 @@ def _places(made: Sequence[Measurement]) -> Table:
     return table
 
 
-def _values(made: Sequence[Measurement]) -> Table:
+def _values(measurements: Sequence[Measurement]) -> Table:
     table = Table(box=box.SIMPLE, pad_edge=False)
     for heading in ("quantity", "of", "value", "± 95 %", "unit"):
         right = heading in ("value", "± 95 %")
         table.add_column(heading, justify="right" if right else "left", no_wrap=heading != "of")
-    for each in made:
+    for each in measurements:
         low, high = each.intervals[0]
         digits = _DIGITS[each.kind]
         table.add_row(

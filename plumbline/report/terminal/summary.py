@@ -55,24 +55,24 @@ def print_summary(
             is to say about the files.
     """
     told: set[str] = set()
-    for made in calibrations:
+    for calibration in calibrations:
         if len(calibrations) > 1:
-            print_title(console, made.observations)
-        console.print(f"[bold]{finding_sentence(made)}[/]", highlight=False, soft_wrap=True)
+            print_title(console, calibration.observations)
+        console.print(f"[bold]{finding_sentence(calibration)}[/]", highlight=False, soft_wrap=True)
         if quiet:
-            if made.quoted is not None:
-                console.print(_plain(made.quoted.sentence), highlight=False, soft_wrap=True)
-            for check in made.checks:
+            if calibration.quoted is not None:
+                console.print(_plain(calibration.quoted.sentence), highlight=False, soft_wrap=True)
+            for check in calibration.checks:
                 if check.name == "suspects" and not check.passed:
                     _print_note(console, check.sentence)
             continue
-        console.print(coefficients_table(made))
-        console.print(_fit_sentences(made), highlight=False, soft_wrap=True)
-        console.print(lines_table(made, everything=verbose))
-        for note in [note for note in made.notes if note not in told]:
+        console.print(coefficients_table(calibration))
+        console.print(_fit_sentences(calibration), highlight=False, soft_wrap=True)
+        console.print(lines_table(calibration, everything=verbose))
+        for note in [note for note in calibration.notes if note not in told]:
             told.add(note)
             _print_note(console, note)
-        print_suspects(console, made.suspects, everything=verbose or made.robust)
+        print_suspects(console, calibration.suspects, everything=verbose or calibration.robust)
     for note in notes:
         _print_note(console, note)
     for path in written:
@@ -88,18 +88,18 @@ def _plain(text: str) -> str:
     return escape(printable(text))
 
 
-def _paired(made: Calibration) -> bool:
-    return isinstance(made, PairCalibration)
+def _paired(calibration: Calibration) -> bool:
+    return isinstance(calibration, PairCalibration)
 
 
-def coefficients_table(made: Calibration) -> Table:
+def coefficients_table(calibration: Calibration) -> Table:
     """Coefficients with their standard errors and start values."""
     table = Table(box=box.SIMPLE, pad_edge=False)
-    table.add_column(f"{made.model}", style="bold")
+    table.add_column(f"{calibration.model}", style="bold")
     for title in ("value", "± std. error", "percent", "95 % interval", "start"):
         table.add_column(title, justify="right")
-    errors = made.standard_errors
-    for name, value in made.coefficients.items():
+    errors = calibration.standard_errors
+    for name, value in calibration.coefficients.items():
         least, unit = (3, " px") if name in CENTRE else (6, "")
         digits = decimals(errors.get(name, value), least)
         if name not in errors:
@@ -111,8 +111,8 @@ def coefficients_table(made: Calibration) -> Table:
             f"{value:.{digits}f}{unit}",
             f"± {errors[name]:.{digits}f}{unit}",
             percent,
-            " to ".join(f"{end:.{digits}f}" for end in made.intervals[name]),
-            f"{made.start[name]:g}",
+            " to ".join(f"{end:.{digits}f}" for end in calibration.intervals[name]),
+            f"{calibration.start[name]:g}",
         )
     return table
 
@@ -123,9 +123,9 @@ def decimals(size: float, least: int) -> int:
     return max(least, 1 - floor(log10(abs(size)))) if known else least
 
 
-def lines_table(made: Calibration, *, everything: bool = False) -> Table:
+def lines_table(calibration: Calibration, *, everything: bool = False) -> Table:
     """Straightness of the lines; only the worst of many, unless all are asked for."""
-    lines = made.lines
+    lines = calibration.lines
     shown = list(lines)
     title = None
     if len(lines) > _MOST_LINES and not everything:
@@ -133,15 +133,15 @@ def lines_table(made: Calibration, *, everything: bool = False) -> Table:
         shown = shown[:_MOST_LINES]
         title = f"the {_MOST_LINES} of {len(lines)} lines with the largest residuals (-v lists all)"
     table = Table(box=box.SIMPLE, pad_edge=False, title=title, title_justify="left")
-    several = len(made.observations.photos) > 1
-    table.add_column("part (row.column)" if _paired(made) else "line", style="bold")
+    several = len(calibration.observations.photos) > 1
+    table.add_column("part (row.column)" if _paired(calibration) else "line", style="bold")
     if several:
         table.add_column("photo")
-    points = "matches" if _paired(made) else "points"
+    points = "matches" if _paired(calibration) else "points"
     for heading in (points, "rms before", "rms after", "largest after"):
         table.add_column(heading, justify="right")
     for line in shown:
-        photo = made.observations.photos[line.photo]
+        photo = calibration.observations.photos[line.photo]
         names = [_plain(line.label)]
         if several:
             names.append(_plain(photo.source or photo.name or str(photo.number)))
@@ -167,17 +167,17 @@ def print_title(console: Console, observations: Observations) -> None:
     console.print(f"[bold]{title}[/]", highlight=False, soft_wrap=True)
 
 
-def _bootstrap_sentences(made: Calibration) -> list[str]:
-    again, wide = made.bootstrap, made.bootstrap_displacement
+def _bootstrap_sentences(calibration: Calibration) -> list[str]:
+    again, wide = calibration.bootstrap, calibration.bootstrap_displacement
     if again is None:
         return []
     errors = ", ".join(
         f"{name} ± {error:.6f}"
-        for name, error in zip(made.free, np.sqrt(np.diag(again.covariance)), strict=True)
+        for name, error in zip(calibration.free, np.sqrt(np.diag(again.covariance)), strict=True)
     )
     failed = f" ({again.failed:,} more found no minimum)" if again.failed else ""
     out = [f"bootstrap of {again.fits:,} fits: {errors}{failed}"]
-    sure, quoted = made.displacement, made.quoted_displacement
+    sure, quoted = calibration.displacement, calibration.quoted_displacement
     if wide is not None and sure is not None and quoted is not None:
         out.append(
             f"bootstrap: the correction is uncertain by {px(wide.worst_px)}; that checks the "
@@ -187,18 +187,18 @@ def _bootstrap_sentences(made: Calibration) -> list[str]:
     return out
 
 
-def _fitted(made: Calibration) -> str:
+def _fitted(calibration: Calibration) -> str:
     """What was fitted: "140 points on 14 lines", "98 of 126 points on 12 of 14 lines"."""
-    paired = _paired(made)
+    paired = _paired(calibration)
     counts = [
         (
-            sum(line.n_points for line in made.lines),
-            made.observations.n_points,
+            sum(line.n_points for line in calibration.lines),
+            calibration.observations.n_points,
             "matched point" if paired else "point",
         ),
         (
-            sum(not line.left_out for line in made.lines),
-            len(made.lines),
+            sum(not line.left_out for line in calibration.lines),
+            len(calibration.lines),
             "part" if paired else "line",
         ),
     ]
@@ -209,14 +209,15 @@ def _fitted(made: Calibration) -> str:
     return f"{points} in {lines} of the photo" if paired else f"{points} on {lines}"
 
 
-def _fit_sentences(made: Calibration) -> str:
+def _fit_sentences(calibration: Calibration) -> str:
     out = [
-        f"{_fitted(made)}; σ̂ {made.sigma_px:.3f} px with {count(made.dof, 'degree')} of freedom",
-        f"rms {made.rms_before_px:.4f} px before, {made.rms_after_px:.4f} px after "
-        f"({made.rms_corrected_px:.4f} px in the corrected photo)",
-        f"largest residual {made.largest_before_px:.2f} px before, {made.largest_after_px:.2f} px "
-        "after",
+        f"{_fitted(calibration)}; σ̂ {calibration.sigma_px:.3f} px with "
+        f"{count(calibration.dof, 'degree')} of freedom",
+        f"rms {calibration.rms_before_px:.4f} px before, {calibration.rms_after_px:.4f} px after "
+        f"({calibration.rms_corrected_px:.4f} px in the corrected photo)",
+        f"largest residual {calibration.largest_before_px:.2f} px before, "
+        f"{calibration.largest_after_px:.2f} px after",
     ]
-    out += [check.finding for check in made.checks if check.name in _TRUST and check.passed]
-    out += _bootstrap_sentences(made)
+    out += [check.finding for check in calibration.checks if check.name in _TRUST and check.passed]
+    out += _bootstrap_sentences(calibration)
     return "\n".join(out)
