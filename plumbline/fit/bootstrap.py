@@ -19,7 +19,7 @@ from plumbline.errors import DegenerateLinesError, OptionError
 from plumbline.fit.outcome import is_settled
 from plumbline.fit.problem import Problem, prepare
 from plumbline.fit.program.solve import BATCH, solve_many
-from plumbline.fit.program.task import Solution, Task
+from plumbline.fit.program.task import FitTask, Solution
 from plumbline.frame import Array
 from plumbline.geometry.derivatives import undistorted
 from plumbline.geometry.lines import fit_lines
@@ -95,7 +95,7 @@ def bootstrap(
 
 def _resampling(
     calibration: Calibration, problem: Problem
-) -> Callable[[np.random.Generator], Task]:
+) -> Callable[[np.random.Generator], FitTask]:
     """What draws tasks with residuals resampled within lines."""
     lens, linear = calibration.lens, calibration.linearised
     observed_px = np.concatenate(in_frame(calibration.observations, lens.frame))
@@ -114,7 +114,7 @@ def _resampling(
     mean = np.bincount(of_line, errors, linear.n_lines) / np.maximum(counts, 1)
     errors = (errors - mean[of_line]) * np.sqrt(counts / np.maximum(counts - 1, 1))[of_line]
 
-    def draw(rng: np.random.Generator) -> Task:
+    def draw(rng: np.random.Generator) -> FitTask:
         drawn = starts[of_line] + (rng.random(len(rows)) * counts[of_line]).astype(np.int64)
         moved = fitted.copy()
         moved[rows] += errors[drawn][:, None] * across[rows]

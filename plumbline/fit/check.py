@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from plumbline.errors import DegenerateLinesError, PlumblineError
 from plumbline.fit.calibrate import calibrate
-from plumbline.fit.options import plan
+from plumbline.fit.options import fit_plan
 from plumbline.fit.problem import only_lens
 from plumbline.models import get_model
 from plumbline.observations import Observations
@@ -47,7 +47,7 @@ def check(
     """
     chosen, held = None if free is None else tuple(free), tuple(hold)
     radial = get_model(model).radial
-    fitted = plan(get_model(model), only_lens(observations), chosen, held, None).free
+    fitted = fit_plan(get_model(model), only_lens(observations), chosen, held, None).free
     before = before_fit(observations, len(fitted), sum(name in radial for name in fitted))
     try:
         calibration = calibrate(observations, model, free=chosen, hold=held)

@@ -12,7 +12,7 @@ from plumbline.observations.facts import LensFacts
 
 
 @dataclass(frozen=True)
-class Plan:
+class FitPlan:
     """Which coefficients are fitted, and where everything starts.
 
     Attributes:
@@ -28,13 +28,13 @@ class Plan:
     notes: tuple[str, ...]
 
 
-def plan(
+def fit_plan(
     model: Model,
     facts: LensFacts,
     free: Iterable[str] | None,
     hold: Iterable[str],
     start: Mapping[str, float] | Literal["file"] | None,
-) -> Plan:
+) -> FitPlan:
     """Decide what is free, what is held and where the fit starts.
 
     Args:
@@ -70,7 +70,7 @@ def plan(
         values |= _known(names, start, "the start vector names")
     else:
         _note_ignored(stored, chosen, notes)
-    return Plan(chosen, values, start is None, tuple(notes))
+    return FitPlan(chosen, values, start is None, tuple(notes))
 
 
 def _refuse_geometry(facts: LensFacts) -> None:

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plumbline.errors import About, DegenerateLinesError, OptionError
-from plumbline.fit.options import Plan, plan
+from plumbline.fit.options import FitPlan, fit_plan
 from plumbline.fit.program.blocks import Packed, pack, unpack
-from plumbline.fit.program.task import Task
+from plumbline.fit.program.task import FitTask
 from plumbline.fit.refusals import degrees_of_freedom, reach_of_lines, refuse_blind
 from plumbline.frame import Array, Frame
 from plumbline.geometry.lens import Lens
@@ -44,11 +44,11 @@ class Problem:
 
     observations: Observations
     model: Model
-    plan: Plan
+    plan: FitPlan
     residual: ResidualKind
     packed: Packed
     kept: NDArray[np.bool_]
-    task: Task
+    task: FitTask
     blank: Lens
     to_px: Array
     dof: int
@@ -97,7 +97,7 @@ def prepare_many(
     if residual not in ("image", "corrected"):
         raise OptionError(f"the residual is image or corrected, not {residual!r}")
     chosen, held = None if free is None else tuple(free), tuple(hold)
-    plans: list[Plan] = []
+    plans: list[FitPlan] = []
     blanks: list[Lens] = []
     for each, name in zip(observations, names, strict=True):
         with About(name):
@@ -126,14 +126,14 @@ def _planned(
     free: tuple[str, ...] | None,
     hold: tuple[str, ...],
     start: Start,
-) -> tuple[Plan, Lens]:
+) -> tuple[FitPlan, Lens]:
     """What is fitted, and the lens before the fit."""
     facts = only_lens(observations)
     if not observations.lines:
         raise DegenerateLinesError(
             f"{observations.named}there are no lines", hint="pick points along straight edges"
         )
-    chosen = plan(model, facts, free, hold, start)
+    chosen = fit_plan(model, facts, free, hold, start)
     frame = _common_frame(observations, chosen, model)
     facts.refuse_contradiction(frame)
     return chosen, Lens(model, frame, dict(chosen.start), focal_px=facts.focal_length_px(frame))
@@ -141,7 +141,7 @@ def _planned(
 
 def _problem(
     observations: Observations,
-    chosen: Plan,
+    chosen: FitPlan,
     blank: Lens,
     packed: Packed,
     residual: ResidualKind,
@@ -155,7 +155,7 @@ def _problem(
     to_px = np.ones(len(model.coefficients) + 2)
     to_px[-2:] = 1 / blank.frame.per_px(unit_px)
     names = (*model.coefficients, *CENTRE)
-    task = Task(
+    task = FitTask(
         block=packed.block,
         start=np.array([chosen.start[name] for name in names]) / to_px,
         free=np.array([name in chosen.free for name in names]),
@@ -205,7 +205,7 @@ def only_lens(observations: Observations) -> LensFacts:
     return observations.lenses[0]
 
 
-def _common_frame(observations: Observations, chosen: Plan, model: Model) -> Frame:
+def _common_frame(observations: Observations, chosen: FitPlan, model: Model) -> Frame:
     """The frame of all photos; upright and sideways photos may mix while nothing is off-centre."""
     frames = [photo.frame for photo in observations.photos]
     first = frames[0]

@@ -37,7 +37,7 @@ class Finding:
     folds_at_px: float | None = None
 
 
-def find(lens: Lens) -> Finding:
+def finding_of(lens: Lens) -> Finding:
     """Describe the radial distortion of a lens about its own centre."""
     observed, ideal = radial_curve(lens)
     if not len(observed):

@@ -102,7 +102,7 @@ def look_up(photo: PhotoFacts, request: LensRequest) -> LookUp:
     from plumbline.lenses import store
     from plumbline.lenses.lensfun import find as lensfun
 
-    own, notes = store.find(photo, request)
+    own, notes = store.find_profile(photo, request)
     if own is not None:
         return LookUp(_as_asked(own, photo, request).with_notes(*notes))
     profile, candidates = lensfun.from_database(photo, request)

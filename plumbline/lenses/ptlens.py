@@ -21,7 +21,7 @@ from plumbline.photos.exif import PhotoFacts
 from plumbline.wording import listed
 
 
-def find(
+def find_profile(
     profile: PTLensProfile, path: str, photo: PhotoFacts, request: LensRequest
 ) -> tuple[LensProfile, tuple[LensMatch, ...]]:
     """The lens of a profile for a photo.

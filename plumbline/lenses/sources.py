@@ -52,7 +52,7 @@ def find_in_file(photo: PhotoFacts, request: LensRequest) -> Found:
     if head.startswith("<"):
         return lensfun.from_file(path, photo, request)
     if ptlens_profile.recognises(source):
-        return ptlens.find(ptlens_profile.read_ptlens(source), path, photo, request)
+        return ptlens.find_profile(ptlens_profile.read_ptlens(source), path, photo, request)
     if request.like is not None:
         raise OptionError(
             f"--like chooses a camera of a database, and {path} is not one",

@@ -94,7 +94,9 @@ def add(path: str, *, overwrite: bool = False) -> Path:
     return target
 
 
-def find(photo: PhotoFacts, request: LensRequest) -> tuple[LensProfile | None, tuple[str, ...]]:
+def find_profile(
+    photo: PhotoFacts, request: LensRequest
+) -> tuple[LensProfile | None, tuple[str, ...]]:
     """The user's own calibration for a photo, if there is one.
 
     Returns:

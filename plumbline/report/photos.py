@@ -21,7 +21,7 @@ _LONG_SIDE = 1600
 
 
 @dataclass(frozen=True, eq=False)
-class Picture:
+class ShownPhoto:
     """A photograph as a report shows it.
 
     Attributes:
@@ -36,7 +36,7 @@ class Picture:
 
 
 @dataclass(frozen=True)
-class Found:
+class FoundPhotos:
     """The photos of one calibration.
 
     Attributes:
@@ -44,13 +44,13 @@ class Found:
         notes: Why there is none, and what else to know, in plain sentences.
     """
 
-    pictures: tuple[Picture | None, ...]
+    pictures: tuple[ShownPhoto | None, ...]
     notes: tuple[str, ...] = ()
 
 
 def find_photos(
     calibrations: Sequence[Calibration], given: str | None, beside: Path | None = None
-) -> list[Found]:
+) -> list[FoundPhotos]:
     """Look for the photos that points were picked in, by name.
 
     Args:
@@ -74,10 +74,10 @@ def find_photos(
                 path=given,
                 hint="leave out --photo and put the photos beside the points",
             )
-    found: list[Found] = []
+    found: list[FoundPhotos] = []
     for calibration in calibrations:
         notes: list[str] = []
-        pictures: list[Picture | None] = []
+        pictures: list[ShownPhoto | None] = []
         for photo in calibration.observations.photos:
             mine = given is not None and (len(photos) == 1 or _base(photo) == Path(given).name)
             if given is not None and mine:
@@ -92,7 +92,7 @@ def find_photos(
                     f"whether {shown.path.name} is the picture that the points were picked "
                     "in is not known: it was not at hand when they were read"
                 )
-        found.append(Found(tuple(pictures), tuple(notes)))
+        found.append(FoundPhotos(tuple(pictures), tuple(notes)))
     return found
 
 
@@ -110,7 +110,7 @@ def _places(calibration: Calibration, photo: Photo, beside: Path | None) -> list
     return [file.parent / name for file in files] if name else []
 
 
-def _picture(photo: Photo, places: Sequence[Path], notes: list[str]) -> Picture | None:
+def _picture(photo: Photo, places: Sequence[Path], notes: list[str]) -> ShownPhoto | None:
     name = photo.name or "the photo"
     for index, path in enumerate(places):
         if any(is_same(path, str(other)) for other in places[:index]) or not _is_file(path):
@@ -131,7 +131,7 @@ def _is_file(path: Path) -> bool:
         return False
 
 
-def _read(photo: Photo, path: Path) -> Picture:
+def _read(photo: Photo, path: Path) -> ShownPhoto:
     """Decode and reduce a photo.
 
     Raises:
@@ -158,7 +158,7 @@ def _read(photo: Photo, path: Path) -> Picture:
         pixels = np.asarray(cv2.resize(pixels, (width, height), interpolation=cv2.INTER_AREA))
     upright = photo.frame.size == facts.size
     shown = _upright(_as_rgb(pixels, inks=picture.inks), facts.orientation if upright else 1)
-    return Picture(path, sha256, np.ascontiguousarray(shown))
+    return ShownPhoto(path, sha256, np.ascontiguousarray(shown))
 
 
 def _checked(photo: Photo, path: Path, data: bytes) -> str:

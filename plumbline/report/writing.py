@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from plumbline.errors import WriteError
 from plumbline.files import refuse_to_clobber, refuse_unknown_suffix, write_atomically
-from plumbline.report.photos import Found, find_photos
+from plumbline.report.photos import FoundPhotos, find_photos
 from plumbline.result.calibration import Calibration, refuse_unsettled
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ def figure_name(target: Path) -> str:
 
 
 def _targets(
-    plot: Path, calibrations: Sequence[Calibration], found: Sequence[Found]
+    plot: Path, calibrations: Sequence[Calibration], found: Sequence[FoundPhotos]
 ) -> list[tuple[Path, Subject]]:
     """One file for each lens (each photo for `photo`), numbered from 1 if there are several."""
     from plumbline.report.figures import Subject

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plumbline.frame import Array
-from plumbline.geometry.finding import Finding, find
+from plumbline.geometry.finding import Finding, finding_of
 from plumbline.geometry.lens import Lens
 from plumbline.observations import Observations
 from plumbline.trust.besides import Besides
@@ -80,7 +80,7 @@ class Assessment:
     @cached_property
     def finding(self) -> Finding:
         """The distortion in a nutshell."""
-        return find(self.lens)
+        return finding_of(self.lens)
 
     @cached_property
     def linearised(self) -> Linearised:

@@ -21,7 +21,7 @@ from plumbline.errors import (
     UnsupportedModelError,
 )
 from plumbline.fit import single
-from plumbline.fit.program.task import Solution, Task
+from plumbline.fit.program.task import FitTask, Solution
 from plumbline.fit.refusals import refuse_bent, refuse_collapsed
 from plumbline.frame import Frame
 from plumbline.geometry.lens import Lens
@@ -207,7 +207,7 @@ def test_a_start_vector_that_ends_worse_is_told_with_the_better_one(
     staged = calibrate(obs)
     solve = single.solve
 
-    def stuck(model: Model, task: Task) -> Solution:
+    def stuck(model: Model, task: FitTask) -> Solution:
         return solve(model, task if task.staged else task._replace(free=np.zeros(5, dtype=bool)))
 
     monkeypatch.setattr(single, "solve", stuck)

@@ -30,7 +30,7 @@ from platformdirs import user_cache_path
 from plumbline.errors import WriteError
 from plumbline.files import write_atomically
 from plumbline.fit.program.blocks import Block
-from plumbline.fit.program.task import EMPTY_TASK, Residuals, Solution, Task
+from plumbline.fit.program.task import EMPTY_TASK, FitTask, Residuals, Solution
 from plumbline.models import CENTRE
 from plumbline.models.base import Model
 
@@ -60,7 +60,7 @@ class Fit(NamedTuple):
     centre: bool
 
 
-for _tuple in (Block, Residuals, Task, Solution):
+for _tuple in (Block, Residuals, FitTask, Solution):
     export.register_namedtuple_serialization(_tuple, serialized_name=f"plumbline.{_tuple.__name__}")
 
 
@@ -70,7 +70,7 @@ def _making(_: object) -> Lock:
     return Lock()
 
 
-def program(model: Model, task: Task, batch: int | None) -> Callable[[Task], Solution]:
+def program(model: Model, task: FitTask, batch: int | None) -> Callable[[FitTask], Solution]:
     """The compiled fit for tasks like this one.
 
     Args:
@@ -87,7 +87,7 @@ def program(model: Model, task: Task, batch: int | None) -> Callable[[Task], Sol
 
 
 @cache
-def _program(fit: Fit, shapes: Shapes, batch: int | None) -> Callable[[Task], Solution]:
+def _program(fit: Fit, shapes: Shapes, batch: int | None) -> Callable[[FitTask], Solution]:
     folder = usable_folder()
     name = f"{_key(fit, shapes, batch)}.program"
     exported = None
@@ -136,7 +136,7 @@ def clear(folder: Path, patterns: Sequence[str] = PATTERNS) -> int:
     return gone
 
 
-def _task_of(shapes: Shapes) -> Task:
+def _task_of(shapes: Shapes) -> FitTask:
     leaves = [jax.ShapeDtypeStruct(shape, dtype) for shape, dtype in shapes]
     return jax.tree.unflatten(jax.tree.structure(EMPTY_TASK), leaves)
 

@@ -18,7 +18,7 @@ from jax import lax
 from plumbline.fit.program.levenberg import PreciseLevenbergMarquardt
 from plumbline.fit.program.residual import residuals
 from plumbline.fit.program.start import staged_start
-from plumbline.fit.program.task import Solution, Task
+from plumbline.fit.program.task import FitTask, Solution
 from plumbline.models import CENTRE
 from plumbline.models.base import Model
 from plumbline.models.inverse import REACH
@@ -32,7 +32,7 @@ _MOST_STEPS = 200
 """Chosen, because a staged start takes 5 to 20; what takes more does not converge."""
 
 
-def minimise(model: Model, centre: bool, task: Task) -> Solution:
+def minimise(model: Model, centre: bool, task: FitTask) -> Solution:
     """Fit one problem.
 
     Args:
@@ -81,7 +81,7 @@ def minimise(model: Model, centre: bool, task: Task) -> Solution:
     )
 
 
-def _scale(model: Model, centre: bool, y: jax.Array, task: Task) -> jax.Array:
+def _scale(model: Model, centre: bool, y: jax.Array, task: FitTask) -> jax.Array:
     """What each coefficient is measured in, so that all move the residuals alike.
 
     A coefficient of r⁶ in focal lengths of a long lens is worth a millionth of one of r².
@@ -103,7 +103,9 @@ class _Products(NamedTuple):
 
 
 @partial(jax.jit, static_argnums=(0, 1))
-def _products(model: Model, centre: bool, y: jax.Array, task: Task, scale: jax.Array) -> _Products:
+def _products(
+    model: Model, centre: bool, y: jax.Array, task: FitTask, scale: jax.Array
+) -> _Products:
     def fitted(y: jax.Array) -> jax.Array:
         held = jnp.where(task.free, y * scale, task.start)
         at = residuals(model, held, task.block, task.unit_px, REACH * task.corner)
@@ -123,7 +125,7 @@ def _products(model: Model, centre: bool, y: jax.Array, task: Task, scale: jax.A
 
 @partial(jax.custom_jvp, nondiff_argnums=(0, 1))
 def _condensed(
-    model: Model, centre: bool, y: jax.Array, args: tuple[Task, jax.Array]
+    model: Model, centre: bool, y: jax.Array, args: tuple[FitTask, jax.Array]
 ) -> tuple[jax.Array, _Products]:
     """A residual of k + 1 numbers that the solver cannot tell from that of all points.
 
@@ -139,8 +141,8 @@ def _condensed(
 def _condensed_jvp(
     model: Model,
     centre: bool,
-    primals: tuple[jax.Array, tuple[Task, jax.Array]],
-    tangents: tuple[jax.Array, tuple[Task, jax.Array]],
+    primals: tuple[jax.Array, tuple[FitTask, jax.Array]],
+    tangents: tuple[jax.Array, tuple[FitTask, jax.Array]],
 ) -> tuple[Any, Any]:
     y, args = primals
     value, jacobian, products = _condense(model, centre, y, *args)
@@ -148,7 +150,7 @@ def _condensed_jvp(
 
 
 def _condense(
-    model: Model, centre: bool, y: jax.Array, task: Task, scale: jax.Array
+    model: Model, centre: bool, y: jax.Array, task: FitTask, scale: jax.Array
 ) -> tuple[jax.Array, jax.Array, _Products]:
     products = _products(model, centre, y, task, scale)
     lower = jnp.linalg.cholesky(products.normal)

@@ -8,7 +8,7 @@ import jax
 import numpy as np
 
 from plumbline.fit.program.compiled import program
-from plumbline.fit.program.task import Solution, Task
+from plumbline.fit.program.task import FitTask, Solution
 from plumbline.models.base import Model
 
 BATCH = 16
@@ -27,7 +27,7 @@ _SCALES = 0.6, 4.0
 """Mean scales of the corrected photo beyond which a fit has collapsed, as `refuse_collapsed`."""
 
 
-def solve(model: Model, task: Task) -> Solution:
+def solve(model: Model, task: FitTask) -> Solution:
     """Fit one problem; where the distortion centre is free, from several places.
 
     Args:
@@ -37,13 +37,13 @@ def solve(model: Model, task: Task) -> Solution:
     return _best([_solved(model, each) for each in _beginnings(task)], task)
 
 
-def _solved(model: Model, task: Task) -> Solution:
+def _solved(model: Model, task: FitTask) -> Solution:
     arrays = jax.tree.map(np.asarray, task)
     with jax.enable_x64(True):
         return jax.tree.map(np.asarray, program(model, arrays, None)(arrays))
 
 
-def _beginnings(task: Task) -> list[Task]:
+def _beginnings(task: FitTask) -> list[FitTask]:
     """The problem with all places where the centre is begun, as the user has it first."""
     free = np.asarray(task.free)[-2:]
     if not (task.staged and free.any()):
@@ -58,7 +58,7 @@ def _beginnings(task: Task) -> list[Task]:
     return [task._replace(start=start) for start in moved]
 
 
-def _best(solutions: Sequence[Solution], task: Task) -> Solution:
+def _best(solutions: Sequence[Solution], task: FitTask) -> Solution:
     """The lowest minimum that makes sense; the first where none does."""
 
     def cost(solution: Solution) -> float:
@@ -73,7 +73,7 @@ def _best(solutions: Sequence[Solution], task: Task) -> Solution:
     return min(solutions, key=cost)  # of equal ones the first
 
 
-def solve_many(model: Model, tasks: Sequence[Task]) -> list[Solution]:
+def solve_many(model: Model, tasks: Sequence[FitTask]) -> list[Solution]:
     """Fit problems whose blocks have one shape, `BATCH` at a time in one program.
 
     The last batch is filled up with repetitions, so that all of that shape share the program; a
@@ -82,7 +82,7 @@ def solve_many(model: Model, tasks: Sequence[Task]) -> list[Solution]:
     return launch(model, tasks)()
 
 
-def launch(model: Model, tasks: Sequence[Task]) -> Callable[[], list[Solution]]:
+def launch(model: Model, tasks: Sequence[FitTask]) -> Callable[[], list[Solution]]:
     """Begin to fit problems as `solve_many` does; what is returned waits for the solutions.
 
     JAX computes in threads of its own meanwhile.
@@ -103,7 +103,7 @@ def launch(model: Model, tasks: Sequence[Task]) -> Callable[[], list[Solution]]:
     return solutions
 
 
-def _launched(model: Model, tasks: Sequence[Task]) -> Callable[[], list[Solution]]:
+def _launched(model: Model, tasks: Sequence[FitTask]) -> Callable[[], list[Solution]]:
     if len(tasks) <= _FEW:
         return lambda: [_solved(model, task) for task in tasks]
     filled = [*tasks, *[tasks[-1]] * (BATCH - len(tasks))]

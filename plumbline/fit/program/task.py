@@ -27,7 +27,7 @@ class Residuals(NamedTuple):
     v: AnyArray
 
 
-class Task(NamedTuple):
+class FitTask(NamedTuple):
     """One fit, as arrays.
 
     Attributes:
@@ -52,7 +52,7 @@ class Task(NamedTuple):
 
 
 class Solution(NamedTuple):
-    """What a fit found; arrays as in `Task` and `Residuals`.
+    """What a fit found; arrays as in `FitTask` and `Residuals`.
 
     Attributes:
         coefficients: Fitted and held values, (k + 2,).
@@ -82,5 +82,5 @@ class Solution(NamedTuple):
     steps: AnyArray
 
 
-EMPTY_TASK = Task(Block(0, 0, 0), 0, 0, 0, 0, 0, 0, 0)
+EMPTY_TASK = FitTask(Block(0, 0, 0), 0, 0, 0, 0, 0, 0, 0)
 """Only its structure counts."""

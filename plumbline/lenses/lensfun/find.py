@@ -37,7 +37,7 @@ def from_file(path: str, photo: PhotoFacts, request: LensRequest) -> Found:
     """
     if not Path(path).is_dir() and beyond_library(path):
         return _from_entries(path, photo, request)
-    return find(database_of(path), photo, request, chosen_file=True)
+    return find_profile(database_of(path), photo, request, chosen_file=True)
 
 
 def from_database(photo: PhotoFacts, request: LensRequest) -> Found:
@@ -46,10 +46,10 @@ def from_database(photo: PhotoFacts, request: LensRequest) -> Found:
     Raises:
         OptionError: camera or lens are not known, or several lenses match.
     """
-    return find(common_database(), photo, request, chosen_file=False)
+    return find_profile(common_database(), photo, request, chosen_file=False)
 
 
-def find(
+def find_profile(
     database: Database, photo: PhotoFacts, request: LensRequest, *, chosen_file: bool
 ) -> Found:
     """The lens from a loaded database.

@@ -13,7 +13,7 @@ from plumbline.geometry.lens import Lens
 from plumbline.report.figures import style
 from plumbline.report.figures.photo import CASING, blank, cased, page_size
 from plumbline.report.figures.subject import Subject, drawn_lines, seen
-from plumbline.report.photos import Picture
+from plumbline.report.photos import ShownPhoto
 
 
 def corrected(subject: Subject) -> Any:
@@ -67,7 +67,7 @@ def _ideal_px(lens: Lens, frame: Frame, observed_px: Array) -> Array:
     return frame.to_pixels(lens.frame.normalise(ideal, 1.0), 1.0)
 
 
-def _pixels(lens: Lens, frame: Frame, picture: Picture | None) -> NDArray[np.uint8] | None:
+def _pixels(lens: Lens, frame: Frame, picture: ShownPhoto | None) -> NDArray[np.uint8] | None:
     """The picture corrected, as large as it is shown; None where there is none or it folds."""
     from plumbline.imaging.resample import one_tile
 

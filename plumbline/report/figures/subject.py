@@ -13,7 +13,7 @@ from plumbline.frame import Array, Frame
 from plumbline.geometry.derivatives import undistorted
 from plumbline.geometry.lens import Lens
 from plumbline.geometry.lines import fit_lines
-from plumbline.report.photos import Picture
+from plumbline.report.photos import ShownPhoto
 from plumbline.result.calibration import Calibration
 from plumbline.result.pair import PairCalibration
 from plumbline.trust.linearised import in_frame
@@ -34,7 +34,7 @@ class Subject:
 
     calibration: Calibration
     photo: int = 0
-    picture: Picture | None = None
+    picture: ShownPhoto | None = None
 
 
 @dataclass(frozen=True, eq=False)

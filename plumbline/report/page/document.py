@@ -12,7 +12,7 @@ from plumbline.report.page import tables
 from plumbline.report.page.figures import count_figures, figures, photo_name
 from plumbline.report.page.markup import Element, Node, document, tag
 from plumbline.report.page.verdict import limits, recommends_the_fitted, verdict
-from plumbline.report.photos import Found
+from plumbline.report.photos import FoundPhotos
 from plumbline.report.terminal.summary import lens_title
 from plumbline.result.calibration import Calibration
 from plumbline.result.comparison import Comparison
@@ -37,7 +37,7 @@ class Part:
     """
 
     calibration: Calibration
-    found: Found
+    found: FoundPhotos
     compared: Comparison | None = None
 
 

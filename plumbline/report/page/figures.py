@@ -8,7 +8,7 @@ from plumbline.observations import Photo
 from plumbline.report.figures import FIGURES, OF_EVERY_PHOTO, Subject, style
 from plumbline.report.page.inline_svg import inline
 from plumbline.report.page.markup import Element, tag
-from plumbline.report.photos import Found
+from plumbline.report.photos import FoundPhotos
 from plumbline.result.calibration import Calibration
 from plumbline.result.pair import PairCalibration
 
@@ -43,7 +43,7 @@ _OF_LINES = ("lines", "along", "corrected")
 _PAIR = ("displacement", "uncertainty")
 
 
-def figures(calibration: Calibration, found: Found, first: int) -> Iterator[Element]:
+def figures(calibration: Calibration, found: FoundPhotos, first: int) -> Iterator[Element]:
     """The figures of one lens.
 
     Args:
