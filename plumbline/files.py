@@ -31,6 +31,7 @@ RECTIFICATION = "plumbline rectification"
 """Stands in the head of every JSON of a rectified photo that plumbline makes."""
 
 FITTED_DECIMALS = 18
+"""Digits after the point: more than a double has, so that every value reads back bit for bit."""
 FITTED_VALUE = re.compile(rb"^i[ \t][^\n]*[ \t][a-e]-?\d+\.\d{18}(?!\S)", re.MULTILINE)
 """A lens value as plumbline writes it into a project that it otherwise leaves byte for byte.
 

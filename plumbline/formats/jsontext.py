@@ -10,7 +10,9 @@ from typing import cast
 from plumbline.formats.base import Source, shown
 
 MAX_LENGTH = 64 * 2**20
+"""Characters; chosen, a million picks take 50 MB as text."""
 MAX_VALUES = 5_000_000
+"""Chosen: far above any file of points, so that a hostile one ends in bounded memory."""
 _AGAIN = "export the file again"
 # labelme stores the photo itself, base64 in one string.
 _IMAGE_DATA = re.compile(r'"imageData"\s*:\s*"[^"\\]*"')

@@ -29,6 +29,7 @@ from plumbline.photos.files.picture import Pixels, decode
 from plumbline.result.calibration import Calibration
 
 _CHANNELS = ((), (1,), (2,), (3,), (4,))
+"""What lies behind rows and columns: nothing, or grey, grey with alpha, RGB, and RGBA or CMYK."""
 
 LensSource = Calibration | Lens | Correction | LensRequest | str | Path | None
 

@@ -9,6 +9,7 @@ from collections.abc import Generator
 from contextlib import contextmanager
 
 _STDERR = 2
+"""The file descriptor that C libraries write their messages to."""
 
 
 @contextmanager

@@ -13,6 +13,7 @@ from plumbline.errors import OptionError
 from plumbline.frame import Array, Frame
 
 MAX_SIDE = 1_000_000
+"""Pixels; chosen, ten times the side of the largest stitched photos."""
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ _SIXTEEN_BITS = 257.0
 """Grey levels of 16 bits to one of 8."""
 
 _COLOURS = (3, 4)
+"""Channels of RGB and RGBA."""
 _TYPES = ("uint8", "uint16", "float32", "float64")
 
 

@@ -12,6 +12,7 @@ from plumbline.errors import ReadError
 from plumbline.photos.kinds import HEAD, is_tiff, refuse_by_name
 
 _EXIF_IFD = 0x8769
+"""The tag that points to EXIF's directory."""
 _DAMAGE = (
     *(OSError, ValueError, SyntaxError, LookupError, TypeError, EOFError, struct.error),
     *(OverflowError, AttributeError, RuntimeError, NotImplementedError),

@@ -18,6 +18,7 @@ from plumbline.photos.exif import read_photo
 from plumbline.result.calibration import Calibration
 
 _LONG_SIDE = 1600
+"""Pixels; chosen, twice what a page shows, so that enlarging pays."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,6 +22,7 @@ _UNSTEADY = 1.5
 """As for picks: how much larger what leaving out parts says may be."""
 
 _LEAST_PX = 1.0
+"""Chosen: below a pixel at the corner an error is good for any use."""
 _CORNERS = {
     "top left": (-1, -1),
     "top right": (1, -1),

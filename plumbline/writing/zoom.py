@@ -38,6 +38,7 @@ from plumbline.writing.head import lens_name, lensfun_head
 
 ZOOM_SUFFIXES = (".json", ".xml", ".txt")
 _BETWEEN = 8
+"""Focal lengths looked at between two that were fitted; chosen, the curve is smooth."""
 
 
 def read_zoom_lens(

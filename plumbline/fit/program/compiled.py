@@ -42,6 +42,8 @@ _BROKEN = "persistent compilation cache"
 _DIGEST_BYTES = 32
 """Length of a SHA-256."""
 _FEW_POINTS = 8192
+"""Up to so many points XLA optimises less: compiling then costs more than it saves; chosen, the
+benchmark `speed` times both sides of it."""
 _QUICK: dict[str, str | bool] = {"xla_backend_optimization_level": "0"}
 """Optimising takes a second or two longer, and saves a millisecond a fit of few points."""
 

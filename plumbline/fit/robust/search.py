@@ -34,7 +34,9 @@ _MOST_PICKS, _MOST_OF_LINE = 240, 16
 _CHUNK = 1 << 21
 """Distances held at a time: chosen, 16 MiB."""
 _AROUND = np.array([(i, j) for i in (-1, 0, 1) for j in (-2, -1, 0, 1, 2)])
+"""Steps around a good start: one in the first bend, two in the second, which is known less."""
 _FEASIBLE = np.linspace(0.0, 1.0, 33)
+"""Squared radii over the corner's, at which a bend must not fold; chosen, a fold is wider."""
 
 
 class Begun(NamedTuple):

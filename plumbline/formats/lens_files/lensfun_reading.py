@@ -15,7 +15,9 @@ from plumbline.formats.lens_files.lensfun import Distortion
 from plumbline.formats.xmltext import Element, parsed
 
 DEFAULT_ASPECT = 1.5
+"""Width over height where a file tells none: LensFun's own default, a frame of 36 × 24 mm."""
 _LARGEST = 1e9
+"""Of a focal length or coefficient; chosen, larger numbers overflow further on."""
 _HINT = "take the file again from LensFun, or correct this line"
 _NAMES = {
     "poly3": ("k1",),

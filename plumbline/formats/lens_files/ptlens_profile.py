@@ -32,8 +32,11 @@ from plumbline.formats.base import Source, shown
 
 _HINT = "take the profile as PTLens came with it, or correct this line"
 _MOST_FILES = 1000
+"""Chosen: PTLens ships a few; a folder of more is another folder."""
 _MOST_LINES = 1_000_000
+"""Chosen: PTLens' database has some 30,000."""
 _LARGEST = 100.0
+"""Of a coefficient; chosen, those of real lenses stay below 1."""
 
 ABC = tuple[float, float, float]
 

@@ -15,6 +15,7 @@ from plumbline.observations.picks import Line, first_of_each
 from plumbline.wording import count
 
 FIRST_LINE_TYPE = 3
+"""Hugin counts lines by the type `t` from 3 on; 0, 1 and 2 are pairs, verticals and horizontals."""
 
 
 def collect_lines(

@@ -18,12 +18,16 @@ from numpy.typing import NDArray
 from plumbline.frame import Array
 
 N_FIELDS = 7
+"""n, N, x, y, X, Y and t of a record."""
 
 _SHAPE = b"c n N x y X Y t\n"
 _LETTERS = np.frombuffer(b"nNxyXYt", dtype=np.uint8)
 _WHOLE = [0, 1, 6]
+"""Fields that are integers: n, N and t."""
 _MOST_WHOLE_DIGITS = 9
+"""Ten digits no longer fit 32 bits."""
 _MOST_EXACT_DIGITS = 15
+"""Integers of so many digits, and the powers of ten that divide them, are exact as doubles."""
 _POWERS = np.array([float(10**k) for k in range(_MOST_EXACT_DIGITS + 1)])
 
 _END, _DOT = 1, 2

@@ -25,6 +25,7 @@ _POINT = re.compile(
 )
 _TOKEN = re.compile(r"(?<=[ \t])([nNxyXYt])(\S+)")
 _AT_ONCE = 8192
+"""Records that are read at a time; chosen, it bounds memory."""
 
 
 @dataclass(frozen=True)

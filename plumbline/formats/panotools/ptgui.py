@@ -33,6 +33,7 @@ _FILE_VERSION = re.compile(r"#-fileversion (\d{1,6})\s*\Z")
 _IMAGE_FILE = re.compile(r'#-imgfile (\d{1,9}) (\d{1,9}) "([^"]*)"')
 _CROP = re.compile(r"#-ccdcrop (\S+)")
 _COUNTS_DUMMY_FROM = 8
+"""Version of the project format from which the dummy image counts as image 0."""
 
 
 @dataclass

@@ -23,6 +23,7 @@ from plumbline.observations import Observations, Photo
 
 _MARK = b'"com.ptgui.'
 _LARGEST_TYPE = 10**9
+"""Chosen: line types are small numbers; a larger one is damage."""
 
 
 def is_json(source: Source) -> bool:

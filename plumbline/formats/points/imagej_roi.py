@@ -25,7 +25,9 @@ if TYPE_CHECKING:
     from roifile import ImagejRoi
 
 MAX_ENTRIES = 10_000
+"""Chosen: ImageJ's manager slows down at some thousand selections."""
 MAX_UNPACKED = 64 * 2**20
+"""Bytes; chosen, a million picks take 8 MB; it stops archives that unfold without end."""
 _TYPES = (
     "polygon", "rectangle", "oval", "line", "freehand line", "polyline",
     "nothing", "freehand area", "traced area", "angle", "point",

@@ -14,7 +14,9 @@ from plumbline.observations import MAX_SIDE, Line, Observations, Photo
 from plumbline.wording import count, listed
 
 MAX_LABEL = 120
+"""Characters; chosen, a longer name does not fit a table or message."""
 MAX_PICKED_LINES = 200_000
+"""Chosen: twice the 100,000 lines that the fit is measured with."""
 FEWEST = 3
 """Points that make a line of one shape; fewer are single picks, gathered by their label."""
 Size = tuple[int, int]

@@ -17,6 +17,7 @@ from plumbline.formats.points.table import Table
 from plumbline.observations import Observations
 
 _COLUMNS = 6
+"""label, x, y, image, width and height."""
 
 
 def read(source: Source, _options: ReadOptions) -> Observations:

@@ -42,6 +42,7 @@ from plumbline.observations.facts import LensFacts
 from plumbline.wording import count
 
 FORMAT_VERSION = 1
+"""Raised when an older plumbline would misread the file."""
 _HEAD = 1024
 """Characters in which the name of the format stands, as plumbline writes it."""
 _TEXTS = {field.name for field in fields(LensFacts) if field.type == "str"}

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from svgelements import Matrix
 
 MAX_DEPTH = 200
+"""Groups within groups; chosen, Python's own limit is 1,000 calls."""
 MAX_PATH = 1_000_000
 """Characters of one path; chosen as fifty thousand nodes, more than anyone clicks."""
 _FIRST = re.compile(r"<(?:\w+:)?svg[\s>]")

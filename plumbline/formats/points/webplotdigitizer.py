@@ -28,6 +28,7 @@ from plumbline.formats.points.table import Row, Table
 from plumbline.observations import Observations
 
 MAX_DATASETS = 10_000
+"""Chosen: each is picked by hand."""
 _HINT = "in WebPlotDigitizer use the axes 'Image' and export all datasets at once"
 
 

@@ -36,6 +36,7 @@ _DOT = r"[-+]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]{1,4})?"
 _COMMA = r"[-+]?[0-9]+,[0-9]+"
 _PAIRS = [re.compile(rf"({n})[\s;,]+({n})[\s;,]*") for n in (_DOT, _COMMA)]
 _MAX_ROW = 200
+"""Characters; chosen, a row has two numbers or a name."""
 
 
 @dataclass

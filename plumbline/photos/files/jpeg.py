@@ -30,6 +30,7 @@ _MOST = 65533
 MOST_OF_EXIF = _MOST - len(_EXIF)
 MOST_OF_XMP = _MOST - len(_XMP)
 _JFIF_HEAD = 14
+"""Bytes of a JFIF segment without a thumbnail (JFIF 1.02)."""
 _MARKER = re.compile(rb"\xff[^\x00\xd0-\xd7\xff]")
 _FILLING = b"\x55" * 4096  # chosen because it holds no marker and is long for any decoder
 

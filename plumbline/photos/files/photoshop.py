@@ -13,6 +13,7 @@ HEAD = b"Photoshop 3.0\0"
 """What a JPEG segment of resources begins with."""
 
 _IPTC = 0x0404
+"""The image resource that holds IPTC (Adobe Photoshop File Formats)."""
 _MARK = b"8BIM"
 
 

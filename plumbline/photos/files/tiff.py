@@ -27,6 +27,7 @@ Pixels = NDArray[Any]
 
 _DNG_VERSION, _EXTRA_SAMPLES = 50706, 338
 _RAW_PHOTOMETRICS = (32803, 34892)
+"""A colour filter array and linear raw (TIFF/EP, DNG)."""
 _COLOURS = {0: 1, 1: 1, 2: 3, 3: 1, 5: 4}
 _UNREADABLE = {
     4: "a transparency mask",

@@ -25,7 +25,9 @@ _NONE, _FAX, _LZW, _JPEG, _ZSTD = 1, (2, 3, 4), 5, 7, 50000
 _BY_TIFFFILE = (_NONE, 8, 32946, 32773, 34925)
 _BY_LIBTIFF = (*_FAX, _LZW, _JPEG, _ZSTD)
 _FAX_OPTIONS = (292, 293)
+"""T4Options and T6Options (TIFF 6.0)."""
 _JPEG_TABLES = 347
+"""The tag of tables that all segments share (TIFF Technical Note 2)."""
 _MOST_WAITING = 64  # segments read and not yet decoded; chosen to bound the memory
 _BLACK_IS_ZERO, _RGB, _SEPARATED, _YCBCR = 1, 2, 5, 6
 

@@ -23,6 +23,7 @@ from plumbline.photos.files.tiff_tags import ICC, IPTC, LAYOUT, PHOTOSHOP, XMP
 
 _COMPRESSIONS = {1: 1, 5: 5, 8: 8, 32773: 32773, 32946: 8}
 _LZW = 5
+"""TIFF's number of LZW."""
 _STRIP_BYTES = 2**16
 """Chosen as a compromise of the TIFF specification's 8 kB and today's memory."""
 

@@ -14,6 +14,7 @@ from plumbline.result.calibration import Calibration
 from plumbline.trust.displacement import displacement_errors
 
 _DIRECTIONS = 16
+"""Chosen: decentring turns the error once or twice around the centre."""
 
 
 def curve(subject: Subject) -> Any:

@@ -19,8 +19,11 @@ from plumbline.result.calibration import Calibration
 from plumbline.trust.displacement import displacement_errors, grid_px
 
 _FINE = 49
+"""Nodes a side of the contours; chosen, finer ones look the same."""
 _ARROWS = 11, 9
+"""Across and down; chosen, more would touch each other."""
 _LEVELS = 8
+"""Contours at most; chosen, more cannot be told apart."""
 
 
 def displacement(subject: Subject) -> Any:

@@ -12,8 +12,11 @@ from plumbline.report.figures import style
 from plumbline.report.figures.subject import Drawn, Subject, drawn_lines, round_factor
 
 _TALLEST = 8.0
+"""Inches; chosen, a portrait photo with its caption fits a page of A4."""
 _MARGINS = 0.75, 1.0
+"""Inches beside and below the photo, for the axes."""
 _SHOWN = 0.04
+"""A typical residual over the photo's longer side; chosen, to be seen without crossing."""
 CASING = "#10131a"
 
 

@@ -15,7 +15,9 @@ from plumbline.result.calibration import Calibration
 from plumbline.result.pair import PairCalibration
 
 _MOST = 24
+"""Panels; chosen, they fill one page of A4."""
 _COLUMNS = 4
+"""Chosen: a panel is then 4 cm wide on A4."""
 
 
 def radius(subject: Subject) -> Any:

@@ -10,9 +10,13 @@ from plumbline.report.figures import style
 from plumbline.report.figures.subject import Subject
 
 _MOST = 48
+"""Lines; chosen, more names cannot be read."""
 _LEAST_PX = 1e-3
+"""Chosen: nothing is straighter, and the axis is logarithmic."""
 _LETTERS = 90
+"""Letters that fit below the axis side by side."""
 _LETTER = 0.075
+"""Inches that a letter takes."""
 
 
 def lines(subject: Subject) -> Any:

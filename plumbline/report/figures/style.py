@@ -36,8 +36,11 @@ MANY = 2_000
 _SVG = "{http://www.w3.org/2000/svg}"
 _LINK = "{http://www.w3.org/1999/xlink}href"
 _DPI = 150
+"""Chosen: a photo of a page's width stays sharp on a screen."""
 _JPEG_QUALITY = 82
+"""Chosen: artefacts cannot be seen at the shown size."""
 _MOST_LETTERS = 22
+"""Chosen: longer names run into their neighbours."""
 _LOOK: dict[str, Any] = {
     "axes.axisbelow": True,
     "axes.edgecolor": MUTED,

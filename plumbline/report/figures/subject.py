@@ -20,6 +20,7 @@ from plumbline.trust.linearised import in_frame
 from plumbline.trust.student import quantile
 
 _CURVE = 48
+"""Points along a line's curve; chosen, it looks smooth."""
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ from plumbline.trust.check import Check
 from plumbline.trust.suspect import Suspect
 
 _MOST = 12
+"""Rows; chosen, they fit a screen with the rest."""
 
 
 def print_checks(console: Console, checks: Sequence[Check]) -> None:

@@ -22,7 +22,9 @@ from plumbline.result.sentence import finding_sentence
 from plumbline.wording import count, px
 
 _MOST_LINES = 24
+"""Rows; chosen, they fit a screen; `--verbose` shows all."""
 _LEAST_WIDTH = 80
+"""Characters; a table in less cannot be read."""
 _TRUST = "correction", "line by line", "part by part", "model"
 
 

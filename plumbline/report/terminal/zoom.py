@@ -13,6 +13,7 @@ from plumbline.models import CENTRE
 from plumbline.wording import count
 
 _MOST_NEEDED = 2
+"""Sentences; chosen, the next two steps are enough to do."""
 _LABEL, _CELL, _WIDE = 24, 24, 200  # characters
 
 
