@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import importlib
+import re
 import subprocess
 import sys
 from collections.abc import Collection, Iterator, Mapping
@@ -73,6 +74,14 @@ def test_the_house_is_the_tree() -> None:
     }
     assert rooms - set(FACES) == set(HEIGHT)
     assert len(FLOORS) <= 10
+
+
+def test_contributors_read_of_every_room_from_the_top_down() -> None:
+    text = (PACKAGE / "CONTRIBUTING.md").read_text("utf-8")
+    drawn = text.split("```")[1].strip().splitlines()
+    rooms = [room for line in drawn for room in re.split(" {3,}", line)[0].split()]
+    assert set(rooms) == set(HEIGHT)
+    assert [HEIGHT[room] for room in rooms] == sorted(HEIGHT.values(), reverse=True)
 
 
 @every_module

@@ -23,7 +23,7 @@ from plumbline.ground.rectification import Rectification
 
 _METRES = 6
 _LEAST_AXIS_M = 1e-6
-"""An ellipse without extent is no entity; a datum's points have none."""
+"""CAD programs reject an ellipse without extent; that of a datum's point has none."""
 
 _LEAST_RATIO = 1e-6
 """DXF bears no flatter ellipse."""
