@@ -27,9 +27,9 @@ def power_of(base: str, exponent: int) -> str:
     return base if exponent == 1 else base + str(exponent).translate(digits)
 
 
-def signed(value: float, decimals: int = 1) -> str:
-    """A number with its sign, the minus a true one: "+1.2", "−0.3"."""
-    return f"{value:+.{decimals}f}".replace("-", "−")
+def number(value: float, form: str) -> str:
+    """A number in the form of a format specification, its minus a true one: "−0.3"."""
+    return format(value, form).replace("-", "−")
 
 
 def px(length: float) -> str:

@@ -99,7 +99,7 @@ class Start(_Type):
         for part in str(value).split(","):
             name, sign, number = part.partition("=")
             try:
-                start[name.strip()] = float(number)
+                start[name.strip()] = float(number.replace("−", "-"))  # as summaries print it
             except ValueError:
                 sign = ""
             if not sign or not math.isfinite(start[name.strip()]):

@@ -23,6 +23,7 @@ from plumbline.edges.strip import cut
 from plumbline.edges.trace import Traced
 from plumbline.errors import DegenerateLinesError
 from plumbline.frame import Array, Frame
+from plumbline.wording import number
 
 _WINDOW_PX = 3.0
 """How far red and blue edges may be from green ones: 0.2 % of a 3,000 px radius; lenses that
@@ -82,7 +83,7 @@ class LateralColour:
     def note(self) -> str:
         """What was found, in a sentence."""
         parts = [
-            f"{name} {shift.corner_px:+.2f} ± {shift.corner_error_px:.2f} px"
+            f"{name} {number(shift.corner_px, '+.2f')} ± {shift.corner_error_px:.2f} px"
             for name, shift in (("red", self.red), ("blue", self.blue))
         ]
         told = f"lateral colour at the corner: {' and '.join(parts)} outside of green"

@@ -9,6 +9,7 @@ from typing import Literal
 from plumbline.errors import OptionError, UnsupportedModelError
 from plumbline.models import CENTRE, Model
 from plumbline.observations.facts import LensFacts
+from plumbline.wording import number
 
 
 @dataclass(frozen=True)
@@ -83,7 +84,7 @@ def _refuse_geometry(facts: LensFacts) -> None:
         )
     sheared = {n: facts.stored[n] for n in ("g", "t") if facts.stored.get(n)}
     if sheared:
-        listed = ", ".join(f"{name} = {value:g}" for name, value in sheared.items())
+        listed = ", ".join(f"{name} = {number(value, 'g')}" for name, value in sheared.items())
         raise OptionError(
             f"the project shears the photo ({listed}), which no lens model here describes",
             hint="set the shear g and t to 0 in the project",
@@ -150,11 +151,11 @@ def _known(names: tuple[str, ...], given: Mapping[str, float], where: str) -> di
 def _note_ignored(stored: Mapping[str, float], free: tuple[str, ...], notes: list[str]) -> None:
     ignored = {n: v for n, v in stored.items() if v and n not in CENTRE}
     if ignored:
-        listed = ", ".join(f"{name} = {value:.6g}" for name, value in ignored.items())
+        listed = ", ".join(f"{name} = {number(value, '.6g')}" for name, value in ignored.items())
         notes.append(
             f"not used: the file's {listed}; the fit starts at 0 (--start file takes them)"
         )
     centre = {n: v for n, v in stored.items() if v and n in CENTRE and n not in free}
     if centre:
-        listed = ", ".join(f"{name} = {value:.6g} px" for name, value in centre.items())
+        listed = ", ".join(f"{name} = {number(value, '.6g')} px" for name, value in centre.items())
         notes.append(f"held: the project's distortion centre {listed}")

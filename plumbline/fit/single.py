@@ -21,7 +21,7 @@ from plumbline.observations import Observations
 from plumbline.result.calibration import Calibration
 from plumbline.trust.assessment import ResidualKind
 from plumbline.trust.suspect import Suspect
-from plumbline.wording import count
+from plumbline.wording import count, number
 
 
 def fit_one(
@@ -148,7 +148,7 @@ def _compared_with_zero(
         from_zero = fitted(staged, solve(staged.model, staged.task))
     except PlumblineError:
         return fitted(problem, solution)
-    values = ", ".join(f"{n} = {from_zero.coefficients[n]:.6g}" for n in from_zero.free)
+    values = ", ".join(f"{n} = {number(from_zero.coefficients[n], '.6g')}" for n in from_zero.free)
     reached = f"starting from zero reaches {from_zero.rms_after_px:.4g} px with {values}"
     try:
         calibration = fitted(problem, solution)

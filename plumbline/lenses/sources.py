@@ -23,7 +23,7 @@ from plumbline.models import CENTRE, get_model
 from plumbline.observations.facts import LensFacts
 from plumbline.photos.cameras import crop_factor_of
 from plumbline.photos.exif import PhotoFacts
-from plumbline.wording import listed
+from plumbline.wording import listed, number
 
 _LARGEST = 100.0
 """Chosen: coefficients of real lenses are below 1, so that a decimal point was lost."""
@@ -157,7 +157,7 @@ def stored_lens_profile(stored: StoredLens, path: str, focal_mm: float | None) -
         at = f" at {calibrated_mm:.4g} mm"
     names = (*stored.lens.model.coefficients, *CENTRE)
     values = [(name, stored.lens.coefficients[name]) for name in names]
-    shown = ", ".join(f"{name} = {value:.6g}" for name, value in values if value)
+    shown = ", ".join(f"{name} = {number(value, '.6g')}" for name, value in values if value)
     what = printable(stored.facts.model or stored.facts.camera or "the lens")
     description = f"{what}{at}, {stored.lens.model.label} {shown or 'without distortion'}, from "
     return profile_of(stored, description + path).with_notes(clamped)
@@ -214,6 +214,6 @@ def given_outright(photo: PhotoFacts, request: LensRequest) -> LensProfile:
     values = dict.fromkeys(("a", "b", "c", *CENTRE), 0.0) | given
     whole = request.full_size or photo.size
     lens = Lens(get_model("ptlens"), Frame(*whole), values)
-    shown = ", ".join(f"{name} = {value:g}" for name, value in given.items())
+    shown = ", ".join(f"{name} = {number(value, 'g')}" for name, value in given.items())
     profile = profile_of(StoredLens(lens, LensFacts()), f"the coefficients {shown}")
     return replace(profile, size=None, aspect=None)

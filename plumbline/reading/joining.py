@@ -9,6 +9,7 @@ from plumbline.errors import OptionError
 from plumbline.observations import Observations, Photo
 from plumbline.observations.facts import LensFacts
 from plumbline.reading.photo import ONE_FOCAL_LENGTH
+from plumbline.wording import number
 
 _ONE_FIELD_OF_VIEW = 0.02
 """Focal lengths in pixels that differ by more, relatively, are two settings of the lens.
@@ -58,8 +59,8 @@ def _refuse_another_lens(facts: LensFacts, photo: Photo, part: Observations) -> 
         before, now = facts.stored.get(name, 0.0), other.stored.get(name, 0.0)
         if before != now:
             raise OptionError(
-                f"{part.named}the lens has {name} = {now:g}, in the files before it {before:g}: "
-                "these are not photos of one lens",
+                f"{part.named}the lens has {name} = {number(now, 'g')}, in the files before it "
+                f"{number(before, 'g')}: these are not photos of one lens",
                 hint="fit this file by itself, or make the values the same",
             )
     hint = "fit each focal length by itself"

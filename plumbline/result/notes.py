@@ -9,6 +9,7 @@ import numpy as np
 from plumbline.trust.assessment import Assessment
 from plumbline.trust.check import Check
 from plumbline.trust.straightness import LineStraightness
+from plumbline.wording import number
 
 _CORRELATED = 0.9
 """Chosen: the common mark of two coefficients that stand for each other."""
@@ -94,7 +95,7 @@ def _uninformative(trust: Assessment) -> str:
 def _correlated(trust: Assessment) -> str:
     correlation = trust.correlation
     pairs = [
-        f"{trust.free[i]} and {trust.free[j]} ({correlation[i, j]:+.3f})"
+        f"{trust.free[i]} and {trust.free[j]} ({number(correlation[i, j], '+.3f')})"
         for i, j in zip(*np.triu_indices(len(trust.free), 1), strict=True)
         if abs(correlation[i, j]) > _CORRELATED
     ]

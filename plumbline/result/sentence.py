@@ -5,6 +5,7 @@ from __future__ import annotations
 from plumbline.result.calibration import Calibration
 from plumbline.result.pair import PairCalibration
 from plumbline.trust.placement import worth_of_error_bars
+from plumbline.wording import number
 
 _KINDS = {
     "barrel": "Barrel distortion",
@@ -20,7 +21,7 @@ def finding_sentence(calibration: Calibration) -> str:
     place = "at the corner"
     if finding.folds_at_px is not None:
         place = f"{finding.folds_at_px:.0f} px from the centre, where the polynomial folds"
-    size = f": {finding.percent:+.2f} % ({finding.corner_px:+.1f} px) {place}"
+    size = f": {number(finding.percent, '+.2f')} % ({number(finding.corner_px, '+.1f')} px) {place}"
     of_matches = isinstance(calibration, PairCalibration)
     strays = "matches disagree" if of_matches else "picks stray from straight lines"
     doubt = worth_of_error_bars(calibration.dof)

@@ -15,7 +15,7 @@ from plumbline.trust.next_line import next_line
 from plumbline.trust.nuisances import DECENTRING, RADIAL
 from plumbline.trust.straightness import straightness_before
 from plumbline.trust.suspect import Suspect
-from plumbline.wording import count, joined, listed, px, signed
+from plumbline.wording import count, joined, listed, number, px
 
 _CONDITION = 300.0
 """Condition number of the balanced Jacobian from which on coefficients can hardly be told apart:
@@ -158,7 +158,7 @@ def centre_check(trust: Assessment) -> Check | None:
     shifts = step.change[k:] * spread
     errors = np.sqrt(np.diag(step.covariance)[k:]) * spread
     where = ", ".join(
-        f"{name} = {signed(trust.lens.coefficients[name] + shift)} ± {error:.1f} px"
+        f"{name} = {number(trust.lens.coefficients[name] + shift, '+.1f')} ± {error:.1f} px"
         for name, shift, error in zip(held, shifts.tolist(), errors.tolist(), strict=True)
     )
     remedy = f"free it: --free {','.join((*trust.free, *held))}"

@@ -98,7 +98,7 @@ def test_a_project_becomes_a_project_and_a_profile(run: Run) -> None:
     done = run("fit", pto())
     assert done.status == 0
     assert done.err == ""
-    assert done.out.startswith("Barrel distortion: -")
+    assert done.out.startswith("Barrel distortion: −")
     for word in ("before", "after", "± std. error", "t3", "σ̂", "start"):
         assert word in done.out
     assert done.out.endswith("Wrote building.fit.pto\nWrote building.fit.xml\n")

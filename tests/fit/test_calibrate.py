@@ -240,7 +240,7 @@ def test_the_files_values_are_taken_on_demand_alone() -> None:
     for made in (from_zero, from_file):
         assert (made.coefficients["d"], made.coefficients["e"]) == (12.25, -8.75)
         assert unlike_px(lens, made) < 1e-6
-    held = "held: the project's distortion centre d = 12.25 px, e = -8.75 px"
+    held = "held: the project's distortion centre d = 12.25 px, e = −8.75 px"
     assert any(held in note for note in from_zero.notes)
     elsewhere = calibrate(obs, start={"d": 0.0, "e": 0.0})
     assert (elsewhere.coefficients["d"], elsewhere.coefficients["e"]) == (0.0, 0.0)

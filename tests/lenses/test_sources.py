@@ -324,7 +324,7 @@ class TestStore:
         written = store.add(saved(tmp_path / "r.json", made))
         assert written.is_relative_to(tmp_path / "data" / "plumbline")
         found = find_correction(shot(), LensRequest())
-        assert "b = -0.123" in found.description
+        assert "b = −0.123" in found.description
         same(found.distort(POINTS), made.lens.distort(POINTS))
 
     def test_another_focal_length_goes_to_lensfun_and_says_so(self, tmp_path: Path) -> None:
@@ -336,7 +336,7 @@ class TestStore:
     def test_the_nearest_of_several(self, tmp_path: Path) -> None:
         for focal_mm, b in ((8.2, -0.12), (8.9, -0.11)):
             store.add(saved(tmp_path / "r.json", calibration(b=b, focal_mm=focal_mm)))
-        assert "b = -0.11" in find_correction(shot(focal_mm=8.8), LensRequest()).description
+        assert "b = −0.11" in find_correction(shot(focal_mm=8.8), LensRequest()).description
 
     def test_which_of_several_lenses_is_asked(self, tmp_path: Path) -> None:
         for lens, focal_mm in (("Tele", 8.2), ("Wide", 8.4)):

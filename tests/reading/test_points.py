@@ -301,7 +301,7 @@ def test_files_of_different_lenses_are_not_joined(folder: Path) -> None:
     for other, sentence in {
         "w100 h80 f3 v50 a0 b0 c0 d3": "the photo is marked as full-frame fisheye, those before",
         plain: "the lens has d = 0, in the files before it 3",
-        plain + " d3 e-1": "the lens has e = -1, in the files before it 0",
+        plain + " d3 e-1": "the lens has e = −1, in the files before it 0",
         plain + " d3 g2": "the lens has g = 2",
         plain + " d3 t2": "the lens has t = 2",
         "w100 h80 f0 v20 a0 b0 c0 d3": "the focal length is 284 px by the field of view or EXIF, "

@@ -28,7 +28,7 @@ from plumbline.photos.brightness import brightness
 from plumbline.reading.photo import note_on_orientation, with_exif
 from plumbline.reading.points import join
 from plumbline.result.calibration import Calibration
-from plumbline.wording import count, listed
+from plumbline.wording import count, listed, number
 
 _WORTHWHILE = 0.9
 """Share of the rms that must be left for a free centre to be mentioned; chosen."""
@@ -149,7 +149,7 @@ def _about_the_centre(calibration: Calibration, corners: Path) -> list[str]:
     if not other.converged or other.rms_after_px > _WORTHWHILE * calibration.rms_after_px:
         return []
     where = " and ".join(
-        f"{name} = {other.coefficients[name]:.1f} ± {other.standard_errors[name]:.1f}"
+        f"{name} = {number(other.coefficients[name], '.1f')} ± {other.standard_errors[name]:.1f}"
         for name in ("d", "e")
     )
     return [

@@ -29,7 +29,7 @@ from plumbline.result.calibration import Calibration
 from plumbline.result.comparison import Candidate, Comparison
 from plumbline.trust.displacement import displacement_errors, grid_px
 from plumbline.trust.picked import picked_range_px
-from plumbline.wording import listed
+from plumbline.wording import listed, number
 
 _GRID = 17
 """Points along a side of the photo: chosen, as for the range of the picks."""
@@ -229,7 +229,9 @@ def _centre(candidates: tuple[Candidate, ...]) -> str:
         why = freed.failure or f"with it held, {held.failure}"
         return f"what a free distortion centre would do is not known: {why}"
     values, errors = calibration.coefficients, calibration.standard_errors
-    where = " and ".join(f"{name} = {values[name]:+.1f} ± {errors[name]:.1f} px" for name in CENTRE)
+    where = " and ".join(
+        f"{name} = {number(values[name], '+.1f')} ± {errors[name]:.1f} px" for name in CENTRE
+    )
     straight = left_out(freed, held)
     return f"the distortion centre of {_HELD}, if freed, lies at {where}" + (
         f"{straight} with it held" if straight else ""

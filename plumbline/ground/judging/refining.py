@@ -15,7 +15,7 @@ from plumbline.ground.adjusting.adjustment import Adjustment
 from plumbline.ground.adjusting.network import SIGMA_CENTRE
 from plumbline.ground.camera import CENTRE
 from plumbline.ground.optics import Optics
-from plumbline.wording import joined
+from plumbline.wording import joined, number
 
 ACCEPTED = 0.15
 """Largest share of the displacement that its standard error may be."""
@@ -38,7 +38,7 @@ def refuse_unrefined(found: Adjustment, *, centre: bool) -> None:
         moved, error = _at_corner(camera.optics, layout.refined, covariance)
         if error > ACCEPTED * abs(moved):
             values = [
-                f"{name} = {camera.optics.lens.coefficients[index]:.4f} ± {spread:.4f}"
+                f"{name} = {number(camera.optics.lens.coefficients[index], '.4f')} ± {spread:.4f}"
                 for name, index, spread in zip(
                     network.refined, layout.refined, np.sqrt(np.diag(covariance)), strict=True
                 )

@@ -15,6 +15,7 @@ from plumbline.lenses.profile import LensProfile
 from plumbline.lenses.stored import projection_note
 from plumbline.models import get_model
 from plumbline.observations.facts import FULL_FRAME_MM
+from plumbline.wording import number
 
 _MODELS = {"POLY3": "poly3", "POLY5": "poly5", "PTLENS": "ptlens"}
 
@@ -63,7 +64,9 @@ def profile_of_entry(entry: LensfunEntry, used: Distortion, where: str, camera: 
         unit = used.focal_mm * entry.crop_factor / FULL_FRAME_MM
     centre = (entry.centre[0] * half_side / unit, entry.centre[1] * half_side / unit)
     on = f" on {printable(camera)}" if camera else ""
-    values = ", ".join(f"{name} = {used.coefficients[name]:.6g}" for name in model.coefficients)
+    values = ", ".join(
+        f"{name} = {number(used.coefficients[name], '.6g')}" for name in model.coefficients
+    )
     return LensProfile(
         f"{printable(with_maker(entry.maker, entry.model))}{on} at {used.focal_mm:.4g} mm, "
         f"{used.model} {values}, from {where}",

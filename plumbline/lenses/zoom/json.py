@@ -27,6 +27,7 @@ from plumbline.observations.facts import LensFacts
 from plumbline.photos.exif import PhotoFacts
 from plumbline.result.records import DamageError, converted, parsed, record_text
 from plumbline.result.schema import Head
+from plumbline.wording import number
 
 _AGAIN = "join it again: plumbline zoom RESULT… -o zoom.json"
 
@@ -89,7 +90,9 @@ class StoredZoom:
         values = lens.at(focal_mm)
         frame = Frame(*lens.size, lens.pixel_aspect)
         shown = ", ".join(
-            f"{name} = {value:.6g}" for name, value in zip(lens.names, values, strict=True) if value
+            f"{name} = {number(value, '.6g')}"
+            for name, value in zip(lens.names, values, strict=True)
+            if value
         )
         width, height = frame.square_size
         return LensProfile(

@@ -20,6 +20,7 @@ from plumbline.report.figures.ground import error_map_figure, photo_figure, plan
 from plumbline.report.page.inline_svg import inline
 from plumbline.report.page.markup import Element, Node, document, table, tag
 from plumbline.report.terminal.rectification import BUDGET, ahead
+from plumbline.wording import number
 
 
 def ground_page(stored: StoredRectification, pixels: NDArray[np.uint8] | None) -> bytes:
@@ -84,8 +85,9 @@ def _camera(found: Rectification) -> Iterator[Node]:
     camera, told = found.camera, found.findings
     yield tag(
         "p",
-        f"The camera stood {camera.height_m:.3f} m over the plane, pitch {camera.pitch_deg:.2f}°, "
-        f"roll {camera.roll_deg:.2f}°, with a focal length of {camera.focal_px:.0f} px.",
+        f"The camera stood {camera.height_m:.3f} m over the plane, "
+        f"pitch {number(camera.pitch_deg, '.2f')}°, roll {number(camera.roll_deg, '.2f')}°, "
+        f"with a focal length of {camera.focal_px:.0f} px.",
         class_="finding",
     )
     implied = told.implied
@@ -94,11 +96,11 @@ def _camera(found: Rectification) -> Iterator[Node]:
             "p",
             f"The ground alone implies a focal length of {implied.focal_px:.0f} ± "
             f"{implied.focal_error_px:.0f} px, a height of {implied.height_m:.2f} ± "
-            f"{implied.height_error_m:.2f} m and a pitch of {implied.pitch_deg:.1f} ± "
+            f"{implied.height_error_m:.2f} m and a pitch of {number(implied.pitch_deg, '.1f')} ± "
             f"{implied.pitch_error_deg:.1f}°; {implied.verdict}.",
         )
     for name, value, error in told.refined:
-        yield tag("p", f"Refined: {name} = {value:.5f} ± {error:.5f}.")
+        yield tag("p", f"Refined: {name} = {number(value, '.5f')} ± {error:.5f}.")
 
 
 def _figure(number: int, draw: Callable[[], Any], shows: str) -> Element:
@@ -146,7 +148,7 @@ def _tapes(found: Rectification) -> Element:
             f"{tape.first}-{tape.second}",
             f"{tape.metres:.3f}",
             f"{tape.adjusted_m:.3f}",
-            f"{tape.metres - tape.adjusted_m:+.3f}",
+            number(tape.metres - tape.adjusted_m, "+.3f"),
         ]
         for tape in found.findings.tapes
     ]

@@ -17,7 +17,7 @@ from plumbline.result.pair import PairCalibration
 from plumbline.trust.check import Check
 from plumbline.trust.student import quantile
 from plumbline.trust.suspect import Suspect
-from plumbline.wording import count, px
+from plumbline.wording import count, number, px
 
 _STRONG = 0.9
 """As `plumbline.result.notes` has it."""
@@ -39,16 +39,17 @@ def coefficients(calibration: Calibration) -> Iterator[Element]:
     for name, value in calibration.coefficients.items():
         least, unit = (3, " px") if name in CENTRE else (6, "")
         digits = decimals(calibration.standard_errors.get(name, value), least)
-        shown = f"{value:.{digits}f}{unit}"
+        shown = number(value, f".{digits}f") + unit
         if name not in calibration.free:
             rows.append([name, shown, "held", *[""] * (len(head) - 3)])
             continue
-        row: list[Node] = [name, shown, f"{calibration.start[name]:g}"]
+        row: list[Node] = [name, shown, number(calibration.start[name], "g")]
         for deviation, dof in errors:
             error = deviation[name]
             reach = quantile(0.975, dof) * error
             row.append(f"± {error:.{digits}f}{unit}")
-            row.append(f"{value - reach:.{digits}f} … {value + reach:.{digits}f}{unit}")
+            ends = [number(value + sign * reach, f".{digits}f") for sign in (-1, 1)]
+            row.append(f"{' … '.join(ends)}{unit}")
         rows.append(row)
     yield table(head, rows)
     yield tag(
@@ -67,7 +68,9 @@ def correlations(calibration: Calibration) -> Element | None:
         return None
     rows: list[list[Node]] = []
     for i, name in enumerate(calibration.free):
-        values = [(f"{value:+.3f}", abs(value) > _STRONG) for value in calibration.correlation[i]]
+        values = [
+            (number(value, "+.3f"), abs(value) > _STRONG) for value in calibration.correlation[i]
+        ]
         marked = [
             tag("b", text) if strong and i != j else text for j, (text, strong) in enumerate(values)
         ]

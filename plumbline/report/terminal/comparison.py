@@ -13,7 +13,7 @@ from plumbline.errors import printable
 from plumbline.models import CENTRE
 from plumbline.result.calibration import Calibration
 from plumbline.result.comparison import Candidate, Comparison
-from plumbline.wording import count
+from plumbline.wording import count, number
 
 
 def print_comparison(console: Console, comparison: Comparison) -> None:
@@ -78,15 +78,15 @@ def figures(candidate: Candidate, comparison: Comparison) -> list[str]:
 
 
 def _shown(value: float | None, form: str) -> str:
-    return format(value, form) if value is not None and isfinite(value) else "–"
+    return number(value, form) if value is not None and isfinite(value) else "–"
 
 
 def coefficient_texts(calibration: Calibration) -> list[str]:
     """The free coefficients with their standard errors."""
     return [
-        f"{name} {value:+.1f} ± {calibration.standard_errors[name]:.1f} px"
+        f"{name} {number(value, '+.1f')} ± {calibration.standard_errors[name]:.1f} px"
         if name in CENTRE
-        else f"{name} {value:+.4f} ± {calibration.standard_errors[name]:.4f}"
+        else f"{name} {number(value, '+.4f')} ± {calibration.standard_errors[name]:.4f}"
         for name, value in calibration.coefficients.items()
         if name in calibration.free
     ]

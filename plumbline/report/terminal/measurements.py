@@ -11,6 +11,7 @@ from rich.table import Table
 
 from plumbline.errors import printable
 from plumbline.ground.measure import Measurement
+from plumbline.wording import number
 
 _DIGITS = {"place": 3, "distance": 3, "angle": 2, "area": 2}
 
@@ -32,7 +33,7 @@ def _places(measurements: Sequence[Measurement]) -> Table:
     for each in measurements:
         cells: list[str] = []
         for value, (low, high) in zip(each.values, each.intervals, strict=True):
-            cells += [f"{value:.3f}", f"{(high - low) / 2:.3f}"]
+            cells += [number(value, ".3f"), f"{(high - low) / 2:.3f}"]
         long, short, angle = each.ellipse or (0.0, 0.0, 0.0)
         table.add_row(_plain(each.names[0]), *cells, f"{long:.3f} x {short:.3f}", f"{angle:.0f}°")
     return table
@@ -49,7 +50,7 @@ def _values(measurements: Sequence[Measurement]) -> Table:
         table.add_row(
             each.kind,
             _plain("-".join(each.names)),
-            f"{each.values[0]:.{digits}f}",
+            number(each.values[0], f".{digits}f"),
             f"{(high - low) / 2:.{digits}f}",
             each.unit,
         )

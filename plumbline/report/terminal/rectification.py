@@ -13,6 +13,7 @@ from plumbline.frame import Array
 from plumbline.ground.ellipses import ellipse
 from plumbline.ground.findings import AGREES, Findings
 from plumbline.ground.rectification import Rectification
+from plumbline.wording import number
 
 _MOST_POINTS = 30
 _MOST_ADVICE = 3
@@ -60,11 +61,11 @@ def _print_camera(console: Console, found: Rectification, told: Findings) -> Non
     _print(
         console,
         f"Camera: {camera.height_m:.3f} ± {height:.3f} m over the plane, pitch "
-        f"{camera.pitch_deg:.2f}°, roll {camera.roll_deg:.2f}°, focal length "
+        f"{number(camera.pitch_deg, '.2f')}°, roll {number(camera.roll_deg, '.2f')}°, focal length "
         f"{camera.focal_px:.0f} ± {focal:.0f} px",
     )
     for name, value, error in told.refined:
-        _print(console, f"Refined: {name} = {value:.5f} ± {error:.5f}")
+        _print(console, f"Refined: {name} = {number(value, '.5f')} ± {error:.5f}")
     implied = told.implied
     if implied is None:
         _print(console, "The ground alone implies no camera")
@@ -78,7 +79,7 @@ def _print_camera(console: Console, found: Rectification, told: Findings) -> Non
         console,
         f"{mark} The ground alone implies a focal length of {implied.focal_px:.0f} ± "
         f"{implied.focal_error_px:.0f} px, a height of {implied.height_m:.2f} ± "
-        f"{implied.height_error_m:.2f} m and a pitch of {implied.pitch_deg:.1f} ± "
+        f"{implied.height_error_m:.2f} m and a pitch of {number(implied.pitch_deg, '.1f')} ± "
         f"{implied.pitch_error_deg:.1f}°; {_plain(implied.verdict)}",
     )
 
@@ -109,7 +110,7 @@ def _tapes(told: Findings) -> Table:
             _plain(f"{tape.first}-{tape.second}"),
             f"{tape.metres:.3f}",
             f"{tape.adjusted_m:.3f}",
-            f"{tape.metres - tape.adjusted_m:+.3f}",
+            number(tape.metres - tape.adjusted_m, "+.3f"),
         )
     return table
 

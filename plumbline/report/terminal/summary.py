@@ -19,7 +19,7 @@ from plumbline.report.terminal.checks import print_suspects
 from plumbline.result.calibration import Calibration
 from plumbline.result.pair import PairCalibration
 from plumbline.result.sentence import finding_sentence
-from plumbline.wording import count, px
+from plumbline.wording import count, number, px
 
 _MOST_LINES = 24
 """Rows; chosen, they fit a screen; `--verbose` shows all."""
@@ -105,16 +105,16 @@ def coefficients_table(calibration: Calibration) -> Table:
         least, unit = (3, " px") if name in CENTRE else (6, "")
         digits = decimals(errors.get(name, value), least)
         if name not in errors:
-            table.add_row(name, f"{value:.{digits}f}{unit}", "held", "", "", "")
+            table.add_row(name, number(value, f".{digits}f") + unit, "held", "", "", "")
             continue
         percent = f"{100 * errors[name] / abs(value):.1f} %" if value else ""
         table.add_row(
             name,
-            f"{value:.{digits}f}{unit}",
+            number(value, f".{digits}f") + unit,
             f"± {errors[name]:.{digits}f}{unit}",
             percent,
-            " to ".join(f"{end:.{digits}f}" for end in calibration.intervals[name]),
-            f"{calibration.start[name]:g}",
+            " to ".join(number(end, f".{digits}f") for end in calibration.intervals[name]),
+            number(calibration.start[name], "g"),
         )
     return table
 

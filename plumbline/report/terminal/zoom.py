@@ -10,7 +10,7 @@ from plumbline.frame import Frame
 from plumbline.lenses.zoom.needs import needs
 from plumbline.lenses.zoom.zoom_lens import ZoomLens
 from plumbline.models import CENTRE
-from plumbline.wording import count
+from plumbline.wording import count, number, power_of
 
 _MOST_NEEDED = 2
 """Sentences; chosen, the next two steps are enough to do."""
@@ -52,7 +52,7 @@ def zoom_table(lens: ZoomLens, width: int = _WIDE) -> Table:
             scale, digits, unit = (radius_px, 2, " px") if name in CENTRE else (1.0, 6, "")
             value, error = node.values[index] * scale, node.errors[index] * scale
             held = "held" if name not in lens.free else f"± {error:.{digits}f}{unit}"
-            cells.append(f"{value:.{digits}f}{unit}{between}{held}")
+            cells.append(number(value, f".{digits}f") + f"{unit}{between}{held}")
         table.add_row(*cells)
     return table
 
@@ -86,7 +86,7 @@ def _curves(lens: ZoomLens) -> list[str]:
     for name, values in lens.polynomials().items():
         scale, unit = (radius_px, ", in pixels") if name in CENTRE else (1.0, "")
         terms = [
-            f"{value * scale:+.7g}" + ("" if power == 0 else " f" if power == 1 else f" f^{power}")
+            number(value * scale, "+.7g") + ("" if power == 0 else f" {power_of('f', power)}")
             for value, power in zip(values, range(lens.degree, -1, -1), strict=True)
         ]
         sentences.append(f"{name}(f) = {' '.join(terms)}{unit}")

@@ -129,7 +129,7 @@ def test_the_order_of_its_content() -> None:
         f"Figure {n}" for n in range(1, len(FIGURES) + 1)
     ]
     first = root.xpath("//section/*")[0]
-    assert text(first).startswith("Barrel distortion: -6.38 % (-92.4 px) at the corner")
+    assert text(first).startswith("Barrel distortion: −6.38 % (−92.4 px) at the corner")
     quote = text(root.xpath("//*[@class='quote']")[0])
     assert quote.startswith("Verdict: usable: the correction is uncertain by at most")
     assert "all 11 checks passed" in quote
@@ -151,7 +151,7 @@ def test_the_tables_hold_what_was_fitted() -> None:
     assert coefficients[4][:3] == ["d", "0.000 px", "held"]
     correlations = rows(root, "Correlations")
     assert correlations[0] == ["", "a", "b", "c"]
-    assert correlations[1] == ["a", "+1.000", "-0.993", "+0.965"]
+    assert correlations[1] == ["a", "+1.000", "−0.993", "+0.965"]
     lines = rows(root, "Straightness of the lines")
     assert lines[1] == ["t3", "10", "6.69", "0.49", "0.77"]
     assert len(lines) == 1 + len(made.lines)

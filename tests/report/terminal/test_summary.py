@@ -51,7 +51,7 @@ def shown(values: dict[str, float], errors: dict[str, float]) -> dict[str, list[
     ("value", "error", "printed"),
     [
         (0.0320594, 0.0086, "0.032059 ± 0.008600"),
-        (-1.2345e-6, 2.345e-6, "-0.0000012 ± 0.0000023"),
+        (-1.2345e-6, 2.345e-6, "−0.0000012 ± 0.0000023"),
         (0.5, 4.4e-9, "0.5000000000 ± 0.0000000044"),
         (12.5, 1.25, "12.500000 ± 1.250000"),
         (0.25, 0.0, "0.250000 ± 0.000000"),
@@ -108,7 +108,7 @@ def test_the_finding_of_next_to_no_degrees_of_freedom_carries_a_doubt() -> None:
 def test_the_centre_shows_two_digits_of_its_error() -> None:
     rows = shown({"d": 1.25, "e": -0.5}, {"d": 0.125, "e": 0.00021})
     assert rows["d"][:5] == ["1.250", "px", "±", "0.125", "px"]
-    assert rows["e"][:5] == ["-0.50000", "px", "±", "0.00021", "px"]
+    assert rows["e"][:5] == ["−0.50000", "px", "±", "0.00021", "px"]
 
 
 def test_held_values_are_not_shown_as_zero() -> None:

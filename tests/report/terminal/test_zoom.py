@@ -34,9 +34,10 @@ def shown(width: int, method: str = "polynomial") -> str:
 
 
 def test_a_printed_polynomial_gives_the_values_back() -> None:
+    text = shown(100).replace("−", "-")
     told = {
         name: [float(number) for number in re.findall(r"([+-][\d.]+(?:e-?\d+)?)(?= |$)", terms)]
-        for name, terms in re.findall(r"• (\w)\(f\) = ([^,\n]*)", shown(100))
+        for name, terms in re.findall(r"• (\w)\(f\) = ([^,\n]*)", text)
     }
     for focal in FOCALS:
         assert np.polyval(told["b"], focal) == pytest.approx(-0.02 + 2e-9 * focal**3, abs=1e-7)
@@ -49,7 +50,7 @@ def test_a_value_is_never_torn(width: int) -> None:
     text = shown(width, "hermite")
     rows = [line for line in text.splitlines() if line.lstrip().startswith("180 mm")]
     assert len(rows) == 1
-    assert "-0.008336" in rows[0]
+    assert "−0.008336" in rows[0]
     assert "9.00 px" in rows[0]
     assert not re.search(r"±\s*$", text, re.MULTILINE)
     assert ("± 0.001000" in rows[0]) is (width == 160)
