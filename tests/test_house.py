@@ -237,3 +237,19 @@ def test_the_errors_are_a_tree() -> None:
     assert issubclass(plumbline.OptionError, ValueError)
     assert issubclass(plumbline.UnsupportedModelError, plumbline.OptionError)
     assert issubclass(plumbline.CollapsedFitError, plumbline.DegenerateLinesError)
+
+
+def calls(path: Path) -> set[str]:
+    """Names of the functions and methods that a module calls."""
+    called = [
+        n.func for n in ast.walk(ast.parse(path.read_text("utf-8"))) if isinstance(n, ast.Call)
+    ]
+    return {getattr(each, "attr", getattr(each, "id", "")) for each in called}
+
+
+def test_there_is_no_second_mapping() -> None:
+    """Who solves a polynomial backwards, or looks for its fold, asks the model."""
+    inverting = {name_of(path) for path in MODULES if calls(path) & {"invert", "first_fold"}}
+    assert inverting == {"plumbline.models.base"}
+    solving = {"brentq", "newton", "fsolve", "root_scalar"}
+    assert not {name_of(path) for path in MODULES if calls(path) & solving}
