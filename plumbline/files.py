@@ -93,7 +93,7 @@ def refuse_to_clobber(target: Path, inputs: Sequence[str], *, overwrite: bool) -
         raise _unwritable(target, error) from None
     if is_input:
         raise WriteError(
-            "this is a file that is read here, and is never overwritten",
+            "this file is an input, and inputs are never overwritten",
             path=target,
             hint="choose another name with -o",
         )

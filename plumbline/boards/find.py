@@ -111,7 +111,7 @@ class _Seen:
     def reason(self) -> str:
         """Why there is no board."""
         if not self.corners:
-            return "nowhere do four squares meet"
+            return "no place where four squares meet was found"
         return (
             f"{count(self.corners, 'place')} where four squares might meet, but no three by three "
             "of them with dark and light between"

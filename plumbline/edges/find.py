@@ -83,7 +83,7 @@ def find_edges(photo: PhotoSource, *, samples: int = SAMPLES) -> Found:
         samples: Points a line.
 
     Returns:
-        The edges, and how far they can be trusted; nobody looked at them.
+        The edges, and how far they can be trusted; nobody has checked them.
 
     Raises:
         ReadError: the photo cannot be read.
@@ -198,7 +198,7 @@ def _observed(photograph: Photograph, points: Sequence[Array], verdict: Verdict)
     lines = tuple(
         Line(each, 0, str(number)) for number, each in enumerate(points, start=1) if len(each) >= 3
     )
-    told = f"{count(len(lines), 'edge')} found in the photo; nobody looked at them"
+    told = f"{count(len(lines), 'edge')} found in the photo; nobody has checked them"
     error = f"; their correction is uncertain by {px(verdict.error_px)}" if verdict.vouched else ""
     notes = (*photograph.notes, told + error)
     facts = () if photograph.facts is None else (photograph.facts.facts,)

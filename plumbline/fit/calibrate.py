@@ -101,7 +101,7 @@ def _recommended(
     """The fit of the model that `compare` recommends."""
     if how.free is not None or how.hold or how.start is not None:
         raise OptionError(
-            "the model auto chooses its coefficients itself",
+            "model auto chooses its coefficients itself",
             hint="leave out free, hold and start, or name the model",
         )
     comparison = compare(observations, done, robust=robust)

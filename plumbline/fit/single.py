@@ -154,7 +154,7 @@ def _compared_with_zero(
         calibration = fitted(problem, solution)
     except DegenerateLinesError as error:
         raise CollapsedFitError(
-            f"this start vector leads nowhere ({error.message}), while {reached}",
+            f"this start vector does not lead to a fit ({error.message}), while {reached}",
             hint="leave out --start",
         ) from None
     if from_zero.rms_after_px > calibration.rms_after_px * (1 - 1e-6) - 1e-9:

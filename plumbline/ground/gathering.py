@@ -146,8 +146,8 @@ def _lines(request: GroundRequest, frame: Frame) -> Lines:
 def _line_notes(lines: Lines, refined: tuple[str, ...]) -> list[str]:
     if lines.straight and not refined:
         return [
-            f"{len(lines.straight)} straight lines that are in no parallel set tell nothing of the "
-            "ground, and of the lens only with --refine: they were not used"
+            f"{len(lines.straight)} straight lines that are in no parallel set say nothing about "
+            "the ground, and about the lens only with --refine: they were not used"
         ]
     return []
 

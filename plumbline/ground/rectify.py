@@ -105,8 +105,8 @@ def _notes(found: Adjustment) -> list[str]:
     only_points = not (network.tapes or network.lines or network.right_angles)
     if len(network.known) == _EXACT and only_points and not len(network.horizon_px):
         notes.append(
-            "any four points fit some camera, so that only the focal length checks them: it shows "
-            "blunders from about 0.1 to 0.8 m on; a fifth point shows smaller ones"
+            "any four points fit some camera, so only the focal length checks them: it shows "
+            "blunders of more than about 0.1 to 0.8 m; a fifth point shows smaller ones"
         )
     if found.contradictory:
         notes.append(
@@ -116,7 +116,7 @@ def _notes(found: Adjustment) -> list[str]:
     if network.sigma_square_rad is not None:
         notes.append("the plane was taken as photographed square-on")
     if network.lines and network.refined:
-        notes.append("lane edges along the view run radially and tell nothing of the lens")
+        notes.append("lane edges along the view run radially and say nothing about the lens")
     return notes
 
 

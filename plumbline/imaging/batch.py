@@ -19,7 +19,7 @@ from plumbline.photos.exiftool import installed, lacks_name, lens_names
 _IN_FLIGHT = 128
 """Photographs handed to an executor at a time: chosen, more than any pool has workers."""
 
-_DIED = "the process that corrected it died, perhaps for want of memory"
+_DIED = "the process that corrected it died, perhaps for lack of memory"
 
 
 @dataclass(frozen=True)

@@ -85,7 +85,7 @@ def photo_targets(
         ]
     elif suffix is not None:
         raise OptionError(
-            f"{output} is the whole name of a file, and the suffix {suffix} has no place in it",
+            f"{output} is a complete file name, and the suffix {suffix} does not belong in it",
             hint="leave out --suffix, or name a folder with -o",
         )
     elif len(found) == 1:
@@ -155,7 +155,7 @@ def _pictures(folder: Path, suffix: str, output: str | Path | None) -> list[Path
         raise ReadError(
             "this folder holds no pictures",
             path=folder,
-            hint="JPEG, TIFF, PNG and WebP are looked for",
+            hint="JPEG, TIFF, PNG and WebP are recognised",
         )
     return found
 

@@ -30,7 +30,7 @@ def clamp_focal(
         if low == high:
             return low, f"the photo's focal length is not known: taken at {low:g} mm"
         raise OptionError(
-            f"the photo does not tell its focal length, and {what} is calibrated at {calibrated}",
+            f"the photo does not give its focal length, and {what} is calibrated at {calibrated}",
             hint="give it with --focal",
         )
     nearest = min(max(focal_mm, low), high)

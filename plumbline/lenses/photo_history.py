@@ -74,7 +74,7 @@ def whole_size(
         )
         return photo.size
     raise OptionError(
-        f"the photo is {width}x{height}, but its EXIF tells of a picture of {told[0]}x{told[1]}: "
+        f"the photo is {width}x{height}, but its EXIF gives a picture of {told[0]}x{told[1]}: "
         "it was cropped, and what part of the lens it shows is not known",
         hint="give the size of the whole picture at the photo's scale with --full-size WxH (of the "
         "photo itself if it is whole), or the crop factor of what is left with --crop-factor",

@@ -156,7 +156,7 @@ def _crop_ratio(
     """Crop factor of the photo over that of the calibration."""
     if request.crop_factor is not None and profile.crop_factor is None:
         raise OptionError(
-            f"--crop-factor cannot be compared: no crop factor is told by {profile.description}",
+            f"--crop-factor cannot be compared: no crop factor is given by {profile.description}",
             hint="leave --crop-factor out, or give --full-size WxH",
         )
     given = request.crop_factor or profile.photo_crop

@@ -65,8 +65,8 @@ def add(path: str, *, overwrite: bool = False) -> Path:
         focal_mm = facts.focal_length_mm(results[0].lens.frame)
         if focal_mm is None:
             raise OptionError(
-                f"{path} does not tell its focal length, so that no photo could find it",
-                hint="fit again with --focal, or with --photo and a photo whose EXIF tells it",
+                f"{path} does not give its focal length, so no photo could find it",
+                hint="fit again with --focal, or with --photo and a photo whose EXIF gives it",
             )
         name = _name(path, facts, f"{focal_mm:.4g}mm")
     else:
@@ -189,7 +189,7 @@ def _fits(facts: LensFacts, photo: PhotoFacts, request: LensRequest) -> bool:
 def _name(path: str, facts: LensFacts, focal: str) -> str:
     if not facts.camera:
         raise OptionError(
-            f"{path} does not tell its camera, so that no photo could find it",
+            f"{path} does not name its camera, so no photo could find it",
             hint="fit again with --photo and a photo whose EXIF names the camera",
         )
     words = " ".join(filter(None, (facts.camera, facts.model, focal)))

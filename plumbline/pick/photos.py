@@ -144,7 +144,9 @@ class LoadedPhoto:
         turned_before = self.facts.turned and pixels.shape[1::-1] == self.size
         pixels = upright(pixels, 1 if turned_before else self.facts.orientation)
         if pixels.shape[1::-1] != self.size:
-            raise ReadError("the photo's head and its pixels tell two sizes", path=self.path)
+            raise ReadError(
+                "the photo's header and its pixels give two different sizes", path=self.path
+            )
         mode = "CMYK" if picture.inks else "L" if pixels.ndim == 2 else "BGR"
         self.icc = picture.metadata.icc
         if pixels.dtype == np.uint16:

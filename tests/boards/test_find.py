@@ -130,7 +130,7 @@ def test_the_size_that_is_given_cuts_a_board_down() -> None:
 def test_no_board_is_found_where_there_is_none() -> None:
     rng = np.random.default_rng(3)
     flat = np.full((300, 400), 128, dtype=np.uint8)
-    assert look_for_boards(brightness(flat)).reason == "nowhere do four squares meet"
+    assert look_for_boards(brightness(flat)).reason == "no place where four squares meet was found"
     clutter = render.take(render.Shot(view(render.POSES[1]), ()))
     noise = rng.integers(0, 256, (400, 600)).astype(np.uint8)
     for picture in (clutter, noise, flat[:1, :1], flat[:20, :30]):

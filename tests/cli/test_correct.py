@@ -303,7 +303,7 @@ def test_pixels_the_other_way(tmp_path: Path) -> None:
         (
             ("correct", "a.jpg", *PTLENS, "-o", "b.jpg", "--suffix", "_x"),
             1,
-            "the suffix _x has no place in it",
+            "the suffix _x does not belong in it",
         ),
         *(
             (("correct", "a.jpg", *PTLENS, name, "x"), 2, f"leave out {name}")

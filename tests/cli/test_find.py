@@ -25,7 +25,7 @@ def photo(tmp_path: Path) -> Path:
 def test_find_writes_points_and_a_drawing(run: Run, photo: Path) -> None:
     done = run("find", "wall.png")
     assert done.status == 0
-    assert "the correction they tell is uncertain by 0." in done.out
+    assert "the correction they give is uncertain by 0." in done.out
     assert "Next: look at wall.found.jpg, then plumbline fit wall.found.json" in done.out
     back = plumbline.read(photo.with_name("wall.found.json"))
     assert back.photos[0].size == SIZE
@@ -38,7 +38,7 @@ def test_find_writes_points_and_a_drawing(run: Run, photo: Path) -> None:
 def test_fit_of_a_photo_alone_says_that_nobody_looked(run: Run, photo: Path) -> None:
     done = run("fit", "wall.png", "-o", "r.json", "--report", "r.html")
     assert done.status == 0
-    assert "nobody looked at them" in " ".join(done.out.split())
+    assert "nobody has checked them" in " ".join(done.out.split())
     made = plumbline.read_calibration(photo.with_name("r.json"))
     assert made.sigma_px < 0.2
     assert json.loads(photo.with_name("r.json").read_text())

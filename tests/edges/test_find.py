@@ -40,7 +40,7 @@ def test_a_facade_tells_its_lens_without_a_hand() -> None:
     assert len(made.lines) >= 20
     error = corner_error_px(camera.view, plumbline.calibrate(made.observations))
     assert error < 2 * made.verdict.error_px < 0.4
-    assert any("nobody looked at them" in note for note in made.observations.notes)
+    assert any("nobody has checked them" in note for note in made.observations.notes)
 
 
 def test_what_is_found_are_the_wall_s_edges() -> None:

@@ -222,7 +222,7 @@ def test_far_out_of_range_is_refused(xml: str, focal_mm: float) -> None:
 
 
 def test_a_focal_length_that_is_not_known_is_asked_for(xml: str) -> None:
-    with pytest.raises(OptionError, match="does not tell its focal length") as error:
+    with pytest.raises(OptionError, match="does not give its focal length") as error:
         find_correction(facts(focal_mm=None), LensRequest(source=xml, lens_name="Zoom 10-20mm"))
     assert "--focal" in error.value.hint
 
@@ -276,7 +276,7 @@ class TestFrames:
 
     def test_cropped_is_asked_about(self, xml: str) -> None:
         square = facts((1000, 1000), exif_size=(4000, 3000))
-        with pytest.raises(OptionError, match="EXIF tells of a picture of 4000x3000") as error:
+        with pytest.raises(OptionError, match="EXIF gives a picture of 4000x3000") as error:
             find_correction(square, LensRequest(source=xml))
         assert "--full-size" in error.value.hint
         assert "--crop-factor" in error.value.hint

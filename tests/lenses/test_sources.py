@@ -354,9 +354,9 @@ class TestStore:
         store.add(source, overwrite=True)
 
     def test_a_calibration_that_nothing_could_find_is_refused(self, tmp_path: Path) -> None:
-        with pytest.raises(OptionError, match="does not tell its camera"):
+        with pytest.raises(OptionError, match="does not name its camera"):
             store.add(saved(tmp_path / "r.json", calibration(camera="")))
-        with pytest.raises(OptionError, match="does not tell its focal length"):
+        with pytest.raises(OptionError, match="does not give its focal length"):
             store.add(saved(tmp_path / "r.json", calibration(focal_mm=None)))
 
     def test_damaged_ones_are_left_aside_and_said(self, tmp_path: Path) -> None:

@@ -77,7 +77,7 @@ def trusted_edges(photo: str, narration: Console) -> Found:
     found = found_in(photo, narration)
     if not found.verdict.vouched:
         raise DegenerateLinesError(
-            f"{photo}: the photo alone tells no lens that can be vouched for: "
+            f"{photo}: the edges found in the photo do not give a lens that can be vouched for: "
             f"{found.verdict.reason}",
             hint="pick lines by hand and let fit --snap move them onto the edges; plumbline find "
             "writes those that were found, to begin with",
@@ -98,5 +98,5 @@ def sentence(found: Found) -> str:
     """What was found and how far it can be trusted."""
     number = count(len(found.lines), "long edge")
     if found.verdict.vouched:
-        return f"{number}; the correction they tell is uncertain by {px(found.verdict.error_px)}"
-    return f"{number}, not enough to fit without a look: {found.verdict.reason}"
+        return f"{number}; the correction they give is uncertain by {px(found.verdict.error_px)}"
+    return f"{number}, not enough to fit without a check by eye: {found.verdict.reason}"

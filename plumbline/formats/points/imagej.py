@@ -145,7 +145,7 @@ def _grouping(table: Table, header: list[str], rows: list[Row]) -> list[int]:
         varying = ["Group"]
     if not varying:
         raise table.source.error(
-            "the Results table does not tell which points lie on one line", rows[0][0], _HINT
+            "the Results table does not say which points lie on one line", rows[0][0], _HINT
         )
     return [header.index(name) for name in varying]
 

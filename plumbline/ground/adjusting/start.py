@@ -82,7 +82,7 @@ def starts(network: Network, optics: Optics) -> Iterator[State]:
     pairs, lengths = network.distances()
     if not len(pairs):
         raise OptionError(
-            "nothing tells the scale of the ground",
+            "nothing gives the scale of the ground",
             hint="give the places of at least two points, or one measured distance with --tapes",
         )
     ideal = optics.undistort(network.ground_picks_px) - optics.axis_px

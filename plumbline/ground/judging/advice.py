@@ -104,7 +104,7 @@ def _possible(found: Adjustment, view: _View) -> Iterator[tuple[str, Network, St
     network = found.network
     if network.focal is None:
         told = replace(network, focal=Focal(found.state.camera.focal_px))
-        yield "tell the focal length (--focal-px, or EXIF)", told, found.state
+        yield "give the focal length (--focal-px, or EXIF)", told, found.state
 
 
 def _lines(found: Adjustment, view: _View) -> Iterator[tuple[str, Network, State]]:

@@ -65,13 +65,15 @@ def _away(focal_px: float, error: float, told: Focal | None) -> float | None:
 
 def _verdict(away: float | None, network: Network) -> str:
     if away is None or network.focal is None:
-        return "no focal length was told, so that the points cannot be checked by it"
+        return "no focal length was given, so that the points cannot be checked against it"
     told = f"{network.focal.px:.0f} px"
     if away <= AGREES:
-        return f"it agrees with the {told} that were told ({away:.1f} standard errors apart)"
+        return f"it agrees with the {told} that were given ({away:.1f} standard errors apart)"
     if away < DOUBTFUL:
-        return f"it hardly agrees with the {told} that were told ({away:.1f} standard errors apart)"
+        return (
+            f"it barely agrees with the {told} that were given ({away:.1f} standard errors apart)"
+        )
     return (
-        f"it contradicts the {told} that were told ({away:.1f} standard errors apart): a point, a "
+        f"it contradicts the {told} that were given ({away:.1f} standard errors apart): a point, a "
         "tape or the focal length is wrong"
     )

@@ -44,17 +44,18 @@ def refuse_unrefined(found: Adjustment, *, centre: bool) -> None:
                 )
             ]
             raise OptionError(
-                f"the points do not tell {joined(list(network.refined))} well enough: "
+                f"the points do not determine {joined(list(network.refined))} well enough: "
                 f"{', '.join(values)}, {error:.1f} px of {abs(moved):.1f} px at the corner",
                 hint="mark more points, spread to the corners of the photo, or calibrate the lens "
-                "from straight lines; lane edges along the view run radially and say nothing of it",
+                "from straight lines; lane edges along the view run radially and say nothing "
+                "about it",
             )
     if centre:
         limit = SIGMA_CENTRE * found.state.camera.optics.lens.frame.radius_px
         error = float(np.sqrt(np.max(np.diag(found.cofactor)[CENTRE]))) * found.widening
         if error > limit:
             raise OptionError(
-                f"the points do not tell the lens's centre well enough: ± {error:.0f} px, and "
+                f"the points do not determine the lens's centre well enough: ± {error:.0f} px, and "
                 f"without them it is known to {limit:.0f} px",
                 hint="leave d,e out of --refine",
             )

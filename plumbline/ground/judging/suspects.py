@@ -88,7 +88,7 @@ def _tapes(found: Adjustment, optics: Optics) -> Iterator[Doubtful]:
         ends = other.state.places[[tape.first, tape.second], :2]
         length = float(np.hypot(*(ends[1] - ends[0])))
         names = f"{network.names[tape.first]}-{network.names[tape.second]}"
-        off = f"{tape.metres:.3f} m where the others tell {length:.3f} m"
+        off = f"{tape.metres:.3f} m where the others say {length:.3f} m"
         for unit, times in _UNITS.items():
             if abs(tape.metres / length / times - 1) < _SAME_RATIO:
                 off += f": it may be in {unit}"
@@ -109,7 +109,7 @@ def _points(found: Adjustment, optics: Optics) -> Iterator[Doubtful]:
         name = network.names[index]
         if not np.isfinite(place).all():
             raise OptionError(
-                f"{name} lies on or beyond the horizon that the others tell",
+                f"{name} lies on or beyond the horizon that the others give",
                 hint="correct its pick, or leave it out",
             )
         away = float(np.hypot(*(network.places_m[index] - place)))

@@ -81,7 +81,7 @@ def find_profile(
         notes.append("the photo does not name its lens: the only one that fits was taken")
     if request.lens_name and not same_range(photo.lens_range_mm, range_of(lenses[number])):
         low, high = photo.lens_range_mm or (0.0, 0.0)
-        notes.append(f"EXIF tells of a lens of {low:g} to {high:g} mm: --lens-name counts")
+        notes.append(f"EXIF names a lens of {low:g} to {high:g} mm: --lens-name counts")
     return profile.with_notes(*notes), candidates
 
 

@@ -43,7 +43,7 @@ def unknown_lens(
     if name is None:
         low, high = photo.lens_range_mm or (0.0, 0.0)
         span = f"{low:g}" if low == high else f"{low:g}–{high:g}"
-        name = f"of {span} mm that EXIF tells of"
+        name = f"of {span} mm that EXIF names"
     on = camera_name(camera) if camera is not None else "this camera"
     smaller = [
         lens

@@ -90,7 +90,7 @@ def _focal_mm(name: str, calibration: Calibration) -> float:
     if focal_mm is None:
         raise OptionError(
             f"{name}: the focal length of this calibration is not known",
-            hint="fit it again with --focal, or with --photo and a photo whose EXIF tells it",
+            hint="fit it again with --focal, or with --photo and a photo whose EXIF gives it",
         )
     return focal_mm
 

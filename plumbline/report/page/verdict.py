@@ -90,7 +90,7 @@ def limits(calibration: Calibration) -> Iterator[str]:
     )
     yield "No method sees a pick that is displaced along its own line."
     yield (
-        "Straight lines tell neither the scale nor the position of the corrected photo, nor its "
+        "Straight lines give neither the scale nor the position of the corrected photo, nor its "
         "perspective: distances cannot be measured from this calibration alone."
     )
     for check in calibration.checks:

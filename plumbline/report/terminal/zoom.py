@@ -70,7 +70,7 @@ def _scatter(lens: ZoomLens) -> list[str]:
             if name in lens.free and name not in CENTRE
         ]
         centre = f"; centres up to {node.centre_spread * radius_px:.1f} px apart"
-        told = f", {node.birge:.1f} times what their errors tell" if node.birge > 1 else ""
+        told = f", {node.birge:.1f} times what their errors allow" if node.birge > 1 else ""
         sentences.append(
             f"{len(node.sources)} calibrations at {node.focal_mm:g} mm scatter (standard "
             f"deviation) by {', '.join(parts)}{told}{centre if any(node.values[-2:]) else ''}"
