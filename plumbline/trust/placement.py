@@ -187,9 +187,10 @@ def _rule(placed: Placed, n_radial: int) -> Check:
     long = placed.length >= _LONG
     edge = long & (placed.outward >= _NEAR_EDGE)
     third = long & (placed.outward >= _THIRD[0]) & (placed.outward <= _THIRD[1])
+    needed = "one of each" if n_radial >= 2 else "one near the edge"
     finding = (
         f"{count(int(edge.sum()), 'long line')} near the edge, {int(third.sum())} about a third of "
-        "the way out"
+        f"the way out; {needed} is needed"
     )
     if not edge.any():
         remedy = f"pick one more line near the {_emptiest(placed)} edge"

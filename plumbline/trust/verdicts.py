@@ -63,7 +63,7 @@ def _condition(trust: Assessment) -> Check:
     balanced = np.divide(normal, square, out=np.zeros_like(normal), where=square > 0)
     least, most = np.linalg.eigvalsh(balanced)[[0, -1]].tolist()
     number = float(np.sqrt(most / least)) if least > 0 else float("inf")
-    finding = f"condition number of the problem {number:,.0f}"
+    finding = f"condition number of the problem {number:,.0f}; good up to {_CONDITION:,.0f}"
     if number <= _CONDITION:
         return Check("condition", True, finding)
     remedy = (
