@@ -137,6 +137,9 @@ if TYPE_CHECKING:
     from plumbline.trust.suspect import (
         Suspect as Suspect,
     )
+    from plumbline.writing.beside import (
+        write_beside as write_beside,
+    )
     from plumbline.writing.files import (
         write_export as write_export,
     )
@@ -223,6 +226,7 @@ _HOMES = {
     "plumbline.result.pair": ("PairCalibration",),
     "plumbline.trust.check": ("Check",),
     "plumbline.trust.suspect": ("Suspect",),
+    "plumbline.writing.beside": ("write_beside",),
     "plumbline.writing.files": ("write_export",),
     "plumbline.writing.results": (
         "write",

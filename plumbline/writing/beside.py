@@ -9,7 +9,7 @@ from pathlib import Path
 
 from plumbline.errors import OptionError
 from plumbline.files import write_atomically
-from plumbline.result.calibration import Calibration
+from plumbline.result.calibration import Calibration, refuse_unsettled
 from plumbline.writing.lensfun import label_notes
 from plumbline.writing.results import resampling_notes, result_bytes
 
@@ -17,6 +17,31 @@ from plumbline.writing.results import resampling_notes, result_bytes
 def command_line() -> str:
     """The command as it was given, for the record."""
     return shlex.join(["plumbline", *sys.argv[1:]])
+
+
+def write_beside(
+    result: Calibration | Sequence[Calibration], source: str | Path, *, overwrite: bool = False
+) -> tuple[list[Path], list[str]]:
+    """Write the files that `plumbline fit` writes when none is named.
+
+    For `building.pto` these are `building.fit.pto` and `building.fit.xml` in its folder, or
+    `building.fit.json` where neither can hold the lens.
+
+    Args:
+        result: One calibration, or those of the several lenses of one project.
+        source: The file of points, whose name they take.
+        overwrite: Replace files that plumbline did not write.
+
+    Returns:
+        The files written, and notes in plain sentences on what was not written or assumed.
+
+    Raises:
+        WriteError: a file exists and is not plumbline's, or cannot be written; then none is.
+        UnsettledError: a fit did not reach a minimum.
+    """
+    calibrations = [result] if isinstance(result, Calibration) else list(result)
+    refuse_unsettled(calibrations)
+    return write_results(calibrations, (), str(source), {}, overwrite=overwrite)
 
 
 def write_results(
