@@ -109,6 +109,11 @@ def spelt(error: UnicodeError) -> tuple[str, int]:
     return words, error.end
 
 
+def in_ascii(text: str) -> str:
+    """Text with its signs spelt, where nothing but ASCII can be stored."""
+    return "".join(c if c.isascii() else _sign(c) for c in text)
+
+
 def _sign(sign: str) -> str:
     if sign in _SPELT:
         return _SPELT[sign]

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plumbline.observations.board import Board
+from plumbline.wording import in_ascii
 
 _WIDE_PX, _SHEET_PX = 1600, 2400
 """Longer side of a single photo's picture, and width of one of several; chosen, to be looked at."""
@@ -82,6 +83,6 @@ def _label(
     drawing: Any, text: str, at: NDArray[Any], colour: tuple[int, int, int], size: int
 ) -> None:
     place = (int(at[0]), int(at[1]))
-    plain = text.encode("ascii", "replace").decode()  # OpenCV's letters know no others
+    plain = in_ascii(text)  # OpenCV's letters know no others
     for shade, thick in (((0, 0, 0), size + 2), (colour, max(size // 2, 1))):
         cv2.putText(drawing, plain, place, cv2.FONT_HERSHEY_SIMPLEX, 0.4 * size, shade, thick)

@@ -11,6 +11,8 @@ import struct
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
+from plumbline.wording import in_ascii
+
 MAKER_NOTES = 0x927C
 DESCRIPTION, SOFTWARE, NEXT_IMAGE_OFFSET, NEXT_IMAGE_BYTES = 0x010E, 0x0131, 0x0201, 0x0202
 SUB_DIRECTORIES = (34665, 34853, 40965)
@@ -153,7 +155,7 @@ def has_maker_notes(block: bytes) -> bool:
 def with_software(fields: Sequence[Field], note: str) -> list[Field]:
     """The fields with a note appended to Software."""
     old = next((field.data for field in fields if field.tag == SOFTWARE), b"")
-    parts = [old.split(b"\0")[0].strip(), note.encode("ascii", "replace")]
+    parts = [old.split(b"\0")[0].strip(), in_ascii(note).encode()]
     text = b"; ".join(part for part in parts if part) + b"\0"
     return [*(f for f in fields if f.tag != SOFTWARE), Field(SOFTWARE, ASCII, text)]
 

@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass
 
 from plumbline._version import __version__
+from plumbline.wording import in_ascii
 
 CORRECTED = "corrected by plumbline"
 """Stands in every photograph that plumbline corrected: in EXIF's Software, else in a comment."""
@@ -43,6 +44,6 @@ class Metadata:
 
 def note_of(description: str) -> str:
     """The note of a correction, plain ASCII, without the user's folders."""
-    plain = " ".join(description.encode("ascii", "replace").decode().split())
+    plain = " ".join(in_ascii(description).split())
     plain = _FOLDERS.sub("", plain)
     return f"{CORRECTED} {__version__} ({plain[:_MOST_OF_A_NOTE]})"

@@ -20,7 +20,7 @@ from plumbline.wording import px
 from tests import truth
 from tests.truth import TrueLens
 
-BUILDING = Path(__file__).parents[3] / "shared" / "data" / "olympus" / "building.pto"
+BUILDING = Path(__file__).parents[4] / "shared" / "data" / "olympus" / "building.pto"
 BARREL = TrueLens("ptlens", {"a": 0.012, "b": -0.05, "c": 0.013})
 B_ALONE = TrueLens("ptlens", {"b": -0.03})
 NOISE_PX = 0.3

@@ -19,7 +19,7 @@ from plumbline.formats.panotools.pto_writing import new_project, rewritten
 from plumbline.observations import Line, Observations, Photo
 from plumbline.observations.facts import LensFacts
 
-SHARED = Path(__file__).parents[3] / "shared" / "data" / "pto"
+SHARED = Path(__file__).parents[4] / "shared" / "data" / "pto"
 
 HEAD = (
     '# hugin project file\n#hugin_ptoversion 2\np f0 w3000 h3000 v179  E10.9 R0 n"TIFF_m"\nm i0\n'

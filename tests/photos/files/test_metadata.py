@@ -22,7 +22,7 @@ from tests.imaging.painted import texture
 from tests.peers.tools import program, run
 from tests.photos import layouts
 
-PHOTOS = Path(__file__).parents[3] / "shared" / "data" / "photos"
+PHOTOS = Path(__file__).parents[4] / "shared" / "data" / "photos"
 SIZE = (320, 240)
 BARREL = LensRequest(ptlens={"a": 0.0, "b": -0.05, "c": 0.0})
 XMP = (

@@ -58,7 +58,7 @@ def test_the_users_matplotlibrc_changes_nothing(tmp_path: Path) -> None:
     )
     done = subprocess.run(
         [sys.executable, "-c", program],
-        cwd=Path(__file__).parents[2],
+        cwd=Path(__file__).parents[3],
         env={"MATPLOTLIBRC": str(rc), "HOME": str(tmp_path), "PATH": ""},
         capture_output=True,
         check=True,
