@@ -110,8 +110,8 @@ def spelt(error: UnicodeError) -> tuple[str, int]:
 
 
 def in_ascii(text: str) -> str:
-    """Text with its signs spelt, where nothing but ASCII can be stored."""
-    return "".join(c if c.isascii() else _sign(c) for c in text)
+    """Text with its signs spelt, and a "?" for every other letter that ASCII lacks."""
+    return "".join(c if c.isascii() else _SPELT.get(c, "?") for c in text)
 
 
 def _sign(sign: str) -> str:
