@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 
-def count(number: int, noun: str) -> str:
-    """A number with its noun: "1 line", "2 lines"."""
-    return f"{number:,} {noun}" + ("" if number == 1 else "s")
+def count(number: int, noun: str, plural: str = "") -> str:
+    """A number with its noun: "1 line", "2 lines", "3 matches"."""
+    return f"{number:,} " + (noun if number == 1 else plural or f"{noun}s")
 
 
 def listed(items: Sequence[str], most: int = 8) -> str:

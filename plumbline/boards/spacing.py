@@ -49,9 +49,9 @@ class Spacing:
     def sentence(self) -> str:
         """What to know of it."""
         return (
-            f"rows and columns are straight to {self.lines_px:.2g} px, but not evenly spaced: "
-            f"equal squares fit to {self.grid_px:.2g} px only (a seam, two sheets or a printer's "
-            "feed); this fit uses that they are straight, not their spacing"
+            f"rows and columns stray from straight lines by {self.lines_px:.2g} px, but are not "
+            f"evenly spaced: a grid of equal squares misses them by {self.grid_px:.2g} px (a seam, "
+            "two sheets or a printer's feed); this fit uses only that they are straight"
         )
 
 

@@ -59,7 +59,7 @@ class Names(_Type):
         """Read `a,b,c`."""
         names = tuple(part.strip() for part in str(value).split(",") if part.strip())
         if not names:
-            self.fail("name at least one coefficient, as in a,b,c", param, ctx)
+            self.fail("give at least one name, as in a,b,c", param, ctx)
         return names
 
 

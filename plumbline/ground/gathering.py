@@ -203,7 +203,7 @@ def _focal(
         sigma, by = float(np.hypot(sigma, facts.crop_factor_error or 0.0)), "by EXIF"
     if observed is None:
         if not request.square_on:
-            return None, "not told"
+            return None, "not known"
         diagonal = float(np.hypot(*optics.lens.frame.square_size))
         return Focal(_SQUARE_FOCAL * diagonal, _SQUARE_SIGMA), "assumed, to a factor of two"
     return Focal(observed / optics.paraxial_scale, max(sigma, _HELD)), by
@@ -212,7 +212,7 @@ def _focal(
 def _settings(
     network: Network, told: str, sigma_centre: float, *, freed: bool
 ) -> tuple[Setting, ...]:
-    focal = "not told"
+    focal = "not known"
     if network.focal is not None:
         error = 100 * network.focal.sigma
         focal = f"{network.focal.px:.0f} px ± {error:.2g} %, {told}"

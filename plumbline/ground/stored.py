@@ -23,11 +23,16 @@ from plumbline.ground.optics import Optics
 from plumbline.ground.rectification import Rectification
 from plumbline.lenses.mapping import TURNS, PhotoLens, Turn
 from plumbline.models import get_model
+from plumbline.result.records import DamageError, converted, parsed
+from plumbline.result.schema import Head
 
 FORMAT_VERSION = 1
+"""Raised when an older plumbline would misread the file."""
 _AGAIN = "rectify the photo again"
 _MOST_SIDE = 100_000
+"""Pixels; chosen, more than the largest stitched photos have."""
 _MOST_POINTS = 1_000
+"""Chosen: every point is marked by hand."""
 """Larger ones are refused as damage; no photo and no match file is."""
 
 
@@ -155,11 +160,19 @@ def read_rectification(path: str | Path) -> StoredRectification:
             path=path,
             hint="write one with plumbline rectify PHOTO --points MATCH --save FILE.json",
         )
+    values = parsed(data.decode("utf-8", "replace"), str(path), _AGAIN)
     try:
-        whole = msgspec.json.decode(data, type=_Whole)
-        found = _rectification(whole)
-    except (msgspec.DecodeError, PlumblineError, ValueError, RecursionError) as error:
+        version = converted(values, Head).format_version
+        whole = converted(values, _Whole) if version <= FORMAT_VERSION else None
+        found = _rectification(whole) if whole else None
+    except (DamageError, PlumblineError, ValueError) as error:
         raise ReadError(f"the rectification is damaged: {error}", path=path, hint=_AGAIN) from None
+    if whole is None or found is None:
+        raise ReadError(
+            "this rectification was written by a newer plumbline",
+            path=path,
+            hint="update plumbline",
+        )
     return StoredRectification(found, whole.photo, whole.photo_sha256, whole.command)
 
 

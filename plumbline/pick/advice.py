@@ -12,14 +12,11 @@ from plumbline.pick.live import Fitted
 from plumbline.pick.observing import fitted_lines
 from plumbline.result.calibration import Calibration
 from plumbline.trust.displacement import displacement_errors
-from plumbline.trust.next_line import next_line
+from plumbline.trust.next_line import worthwhile_line
 from plumbline.wording import px
 
 _COLUMNS, _ROWS = 24, 16
 """Cells of the map of uncertainty: what it shows is as smooth as a polynomial of r."""
-
-_WORTH = 0.95
-"""Share of today's error to which a line must lower it to be worth a word."""
 
 
 def judgement(fitted: Fitted, document: Document) -> dict[str, Any]:
@@ -84,10 +81,10 @@ def _map(calibration: Calibration) -> dict[str, Any] | None:
 
 def _next(calibration: Calibration) -> dict[str, Any] | None:
     """The line that would help most, as a ghost; None where none would help by much."""
-    sure, best = calibration.quoted_displacement, next_line(calibration.trust)
-    if sure is None or best is None or best.to_px > _WORTH * best.from_px:
+    sure, more = calibration.quoted_displacement, worthwhile_line(calibration.trust)
+    if sure is None or more is None:
         return None
-    to_px = sure.worst_px * best.to_px / best.from_px
+    best, to_px = more
     return {
         "photo": 0,
         "points": best.points_px.round(1).tolist(),

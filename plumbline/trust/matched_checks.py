@@ -57,7 +57,7 @@ def reach_of(observed_px: Array, trust: Assessment) -> float:
 
 def _enough(observed_px: Array, trust: Assessment) -> Check:
     n = len(observed_px)
-    finding = f"{count(n, 'match').replace('matchs', 'matches')} for {len(trust.free)} coefficients"
+    finding = f"{count(n, 'match', 'matches')} for {count(len(trust.free), 'coefficient')}"
     if n >= FEW:
         return Check("amount", True, finding)
     return Check("amount", False, finding, "take pictures with more texture, or larger ones")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
+from math import hypot
 from typing import TypeVar
 
 import numpy as np
@@ -24,6 +25,8 @@ _THIRD = 1 / 3
 """The rule of LensFun's profile makers."""
 _ALIKE = 0.01
 """Places within one percent are equally good: chosen."""
+_WORTH = 0.9
+"""Share of the error to quote that a further line must leave to be advised: chosen."""
 _AT_EDGE = "near the {} edge"
 _INSIDE = "a third of the way from the centre to the {}"
 
@@ -43,6 +46,29 @@ class NextLine:
     from_px: float
     to_px: float
     points_px: Array
+
+    @property
+    def words(self) -> str:
+        """The line in words, with two places to pick it between."""
+        (x0, y0), (x1, y1) = self.points_px[0], self.points_px[-1]
+        way = "vertical" if x0 == x1 else "horizontal"
+        return (
+            f"one more {way} line {self.place}, for instance from ({x0:.0f}, {y0:.0f}) to "
+            f"({x1:.0f}, {y1:.0f})"
+        )
+
+
+def worthwhile_line(trust: Assessment) -> tuple[NextLine, float] | None:
+    """The best line where it would lower the error to quote by a tenth or more.
+
+    Returns:
+        The line, and the error to quote with it in pixels: what the model may miss stays.
+    """
+    sure, best = trust.quoted, next_line(trust)
+    if sure is None or best is None:
+        return None
+    lower_px = hypot(sure.picks_px * best.to_px / best.from_px, sure.missed_px)
+    return (best, lower_px) if lower_px < _WORTH * sure.worst_px else None
 
 
 def next_line(trust: Assessment) -> NextLine | None:

@@ -190,7 +190,7 @@ def _rule(placed: Placed, n_radial: int) -> Check:
     needed = "one of each" if n_radial >= 2 else "one near the edge"
     finding = (
         f"{count(int(edge.sum()), 'long line')} near the edge, {int(third.sum())} about a third of "
-        f"the way out; {needed} is needed"
+        f"the way out; at least {needed} is needed"
     )
     if not edge.any():
         remedy = f"pick one more line near the {_emptiest(placed)} edge"

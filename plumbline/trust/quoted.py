@@ -54,7 +54,7 @@ class Quoted:
         parts = [f"±{px(self.picks_px)} from the picks"]
         if px(self.worst_px) != px(self.picks_px):
             cause = self._main_cause()
-            parts.append(f"±{px(self.missed_px)} from what the lens may do besides{cause}")
+            parts.append(f"±{px(self.missed_px)} from what the model may miss{cause}")
         return f"{told}: {', '.join(parts)}{self._rectified()}{self.beyond}"
 
     @property
@@ -69,10 +69,10 @@ class Quoted:
 
     def _main_cause(self) -> str:
         if self.centre_px >= self.curve_px:
-            return f", of which ±{px(self.centre_px)}: the distortion centre is not known"
-        return f", of which ±{px(self.curve_px)}: the shape of its curve is not known"
+            return f" (±{px(self.centre_px)} of it because the distortion centre is not known)"
+        return f" (±{px(self.curve_px)} of it because the shape of the curve is not known)"
 
     def _rectified(self) -> str:
         if self.rectified_px is None or self.rectified_px > _ABSORBED * self.worst_px:
             return ""
-        return f"; ±{px(self.rectified_px)} once the photo is rectified to points of a plane"
+        return f"; ±{px(self.rectified_px)} after rectifying the photo to points of a plane"

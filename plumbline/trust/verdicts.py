@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import hypot
 
 import numpy as np
 
@@ -11,7 +10,7 @@ from plumbline.frame import Array
 from plumbline.models import CENTRE
 from plumbline.trust.assessment import Assessment
 from plumbline.trust.check import Check
-from plumbline.trust.next_line import next_line
+from plumbline.trust.next_line import worthwhile_line
 from plumbline.trust.nuisances import DECENTRING, RADIAL
 from plumbline.trust.straightness import straightness_before
 from plumbline.trust.suspect import Suspect
@@ -25,8 +24,6 @@ _LEAST_PX, _LITTLE = 1.0, 1 / 20
 """An error is small below a pixel, or a twentieth of the distortion: chosen, because nobody sees
 the first, and the second still removes 95 % of the bend."""
 
-_WORTH = 0.9
-"""A line is worth picking where it lowers the error by a tenth: chosen."""
 
 _SIGNIFICANT = 3.3
 """Standard errors from which on one more power is needed: chosen, one in a thousand by chance."""
@@ -82,12 +79,9 @@ def _correction(trust: Assessment) -> Check:
             "the model folds inside the photo, so that the error of the correction is not known",
             "free fewer coefficients, or pick lines closer to the corners",
         )
-    more = next_line(trust)
-    advice = ""
-    if more is not None and more.to_px < _WORTH * more.from_px:
-        lower = hypot(sure.picks_px * more.to_px / more.from_px, sure.missed_px)
-        if lower < _WORTH * sure.worst_px:
-            advice = f"one more line {more.place} would lower that to about ±{px(lower)}"
+    more, advice = worthwhile_line(trust), ""
+    if more is not None:
+        advice = f"{more[0].words}, would lower that to about ±{px(more[1])}"
     if sure.worst_px <= max(_LEAST_PX, abs(trust.finding.corner_px) * _LITTLE):
         finding = f"{sure.sentence}; {advice}" if advice else sure.sentence
         return Check("correction", True, finding)
@@ -109,16 +103,19 @@ def _steady(trust: Assessment) -> Check | None:
             "pick more lines",
         )
     told = (
-        f"leaving out one line at a time, the correction is uncertain by "
+        f"leaving out one line at a time makes the correction uncertain by "
         f"±{px(steady.left_out_px)}, {steady.ratio:.1f} times what independent picking errors "
-        f"make (±{px(steady.own_px)}); chance makes up to {steady.limit:.1f} times of lines that "
-        "lie so"
+        f"explain (±{px(steady.own_px)}); for lines placed like these, chance alone gives up to "
+        f"{steady.limit:.1f} times"
     )
     if not steady.alarmed:
         return Check("line by line", True, told)
     if trust.besides.unlike(RADIAL) or trust.besides.unlike(DECENTRING):
         return Check("line by line", True, f"{told}; the model is the likelier reason", "", True)
-    remedy = "edges are not quite straight, or few lines carry the result; the error to quote knows"
+    remedy = (
+        "edges are not quite straight, or few lines carry the result; the error to quote allows "
+        "for this"
+    )
     return Check("line by line", False, told, remedy)
 
 

@@ -15,6 +15,7 @@ from plumbline.lenses.stored import StoredLens
 from plumbline.lenses.stored_files import stored_lenses
 from plumbline.observations.facts import LensFacts
 from plumbline.writing.export import export
+from plumbline.writing.targets import TARGETS
 
 ALLOWED_PX = 0.1
 """The largest deviation of a refitted lens that is written without being forced."""
@@ -61,6 +62,9 @@ def export_file(
     Raises:
         PlumblineError: the result is damaged, or the target cannot hold its lens.
     """
+    known = (*TARGETS, "json")
+    if target not in known:
+        raise OptionError(f"there is no target {target!r}", hint=f"use one of {', '.join(known)}")
     source = Source(result, read_bytes(result))
     path = output or Path(result).with_suffix(f".{target}{FORMATS[target].suffixes[0]}")
     if target == "json":

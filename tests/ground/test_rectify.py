@@ -113,7 +113,7 @@ def test_refined_coefficients_are_said(tmp_path: Path, names: tuple[str, ...]) -
 
 
 def test_what_the_points_do_not_tell_is_not_refined(tmp_path: Path) -> None:
-    with pytest.raises(OptionError, match=r"do not tell b well enough: b = .* ± ") as error:
+    with pytest.raises(OptionError, match=r"do not determine b well enough: b = .* ± ") as error:
         rectified(tmp_path, refine=("b",))
     assert "radially" in error.value.hint
 
@@ -153,6 +153,7 @@ def test_a_saved_rectification_reads_back(tmp_path: Path) -> None:
         ('"covariance": [', '"covariance": [[1.0],', "does not have|is damaged"),
         ('"model": "ptlens"', '"model": "fisheye"', "damaged"),
         ('"size": [', '"size": [0,', "damaged"),
+        ('"format_version": 1', '"format_version": 2', "written by a newer plumbline"),
     ],
 )
 def test_a_changed_rectification_is_refused(tmp_path: Path, old: str, new: str, match: str) -> None:

@@ -183,7 +183,7 @@ def test_no_line_a_third_of_the_way_out_matters_to_two_coefficients_alone() -> N
     assert not check.passed
     assert "a third of the way from the centre" in check.remedy
     assert check.finding == (
-        "4 long lines near the edge, 0 about a third of the way out; one of each is needed"
+        "4 long lines near the edge, 0 about a third of the way out; at least one of each is needed"
     )
     assert checked(outer, 1)["profile makers' rule"].passed
     assert checked([level(60)], 1)["profile makers' rule"].passed

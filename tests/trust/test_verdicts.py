@@ -55,7 +55,7 @@ def test_an_uncertain_correction_names_the_line_to_pick_next() -> None:
     made = calibrate(noisy([line[[0, 4, 8]] for line in INNER], 1, 1.0))
     check = checked(made)["correction"]
     assert check.passed == (made.quoted.worst_px <= max(1.0, abs(made.finding.corner_px) / 20))  # type: ignore[union-attr]
-    assert "one more line" in check.sentence
+    assert "one more horizontal line near the top or bottom edge, for ins" in check.sentence
     assert "would lower that to about" in check.sentence
     sure = made.quoted
     assert sure is not None

@@ -23,7 +23,7 @@ from plumbline.models import get_model
 from plumbline.observations.facts import LensFacts
 from plumbline.photos.exif import PhotoFacts, read_photo
 from plumbline.writing.export import export
-from plumbline.writing.files import export_file
+from plumbline.writing.files import export_file, write_export
 from plumbline.writing.refit import refit
 from plumbline.writing.targets import TARGETS
 from tests.lenses.library import lensfunpy
@@ -332,3 +332,11 @@ def test_opencv_makes_plumbline_s_own_picture(model: str, tmp_path: Path) -> Non
     inside = np.all((ours >= 0) & (ours <= np.array(SIZE) - 1.0), axis=-1)
     off = np.hypot(*np.moveaxis(theirs - ours, -1, 0))[inside]
     assert np.max(off) < (made.deviation_px or 0.0) * 1.2 + 0.002
+
+
+@pytest.mark.parametrize("target", ["stmap", "csv", "lensfum"])
+def test_a_target_that_is_not_one(tmp_path: Path, target: str) -> None:
+    result = saved(tmp_path / "r.json", calibration())
+    with pytest.raises(OptionError, match="there is no target") as caught:
+        write_export(result, target)
+    assert "imagemagick" in caught.value.hint

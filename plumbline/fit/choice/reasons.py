@@ -79,7 +79,7 @@ def left_out(one: Candidate, other: Candidate) -> str:
     if one.left_out_px is None or other.left_out_px is None:
         return ""
     return (
-        f", and lines left out of the fit are straight to {px(one.left_out_px)} against "
+        f", and lines left out of the fit stray by {px(one.left_out_px)} (rms), against "
         f"{px(other.left_out_px)}"
     )
 

@@ -7,8 +7,8 @@ each with its Akaike weight (K. Burnham and D. Anderson, 2002, section 2.9). How
 be off, its own picking errors and the choice of model together, is its overall error (their
 unconditional standard error, section 4.3). Of the rows whose overall error is at most a fifth
 larger than the smallest, or so small that it does not matter, that with the fewest coefficients is
-taken; and the overall error is the one to quote with it. Rows that the picks rule out, by an AICc
-higher by 10 ("essentially no support", section 2.6), are taken only where their curve is within
+taken. What is quoted with it is the error of its own fit, as everywhere: see `Calibration.quoted`.
+Rows that the picks rule out, by an AICc higher by 10 ("essentially no support", section 2.6), are taken only where their curve is within
 0.1 px of the best.
 
 The distortion centre, and the tangential terms that act like it, are ill-posed. Models that free
@@ -74,17 +74,11 @@ def choose(candidates: Sequence[Candidate], points_px: Array) -> Choice:
         if each.calibration
     }
     compared = tuple(
-        replace(
-            each,
-            difference_px=apart[i][best] if i in apart else None,
-            overall_error_px=None
-            if each.aicc is None
-            else _overall_px(each, candidates, weights, apart[i]),
-        )
+        replace(each, difference_px=apart[i][best] if i in apart else None)
         for i, each in enumerate(candidates)
     )
     overall_px = {
-        i: compared[i].overall_error_px or 0.0
+        i: _overall_px(candidates[i], candidates, weights, apart[i])
         for i in allowed
         if not ruled_out(candidates[i], candidates[best]) or apart[i][best] <= MATTERS_PX
     }

@@ -74,11 +74,9 @@ def read(source: Source, _options: ReadOptions) -> Observations:
         raise source.error(
             "this is not JSON that plumbline wrote", hint="name its format with --format"
         )
-    if top.get("format_version") != FORMAT_VERSION:
-        raise source.error(
-            "the file was written by another version of plumbline",
-            hint="convert the points again",
-        )
+    version = as_number(source, top.get("format_version"), "format_version")
+    if version > FORMAT_VERSION:
+        raise source.error("the file was written by a newer plumbline", hint="update plumbline")
     if "calibrations" not in top:
         return _observations(source, top, "")
     each = as_list(source, top["calibrations"], "calibrations")

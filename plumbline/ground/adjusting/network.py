@@ -9,10 +9,13 @@ import numpy as np
 from plumbline.frame import Array, Indices
 
 SIGMA_PICK_PX = 0.5
+"""Standard error of a pick where none is given: chosen, a sharp mark picked by hand."""
 SIGMA_GROUND_M = 0.01
+"""Of a coordinate on the ground: chosen, a point surveyed with a total station or RTK."""
 FLATNESS_M = 0.02
+"""Standard deviation of the plane's unevenness: chosen, ruts and camber of a paved road."""
 SIGMA_TAPE_M = 0.01
-"""Standard errors where none is given: those of the issue; a tape is read as well as a point."""
+"""Of a tape: chosen, it is read as well as a point is surveyed."""
 
 SIGMA_ANGLE_RAD = 0.005
 """Of a right angle: chosen, because corners are laid out to about a centimetre in two metres."""

@@ -71,7 +71,7 @@ export function createDialogs(store, server) {
       if (!dialog.open) return;
       if (!told) return dialog.close();
       open("The lens is written", make("p", {}, make("b", {}, sentence(told.finding))),
-        make("p", {}, "Beside the photo lie now:"),
+        make("p", {}, "Files written beside the photo:"),
         make("ul", {}, ...told.files.map((/** @type {string} */ file) => make("li", {}, make("code", {}, file)))),
         make("p", {}, "The Hugin project (.pto) opens in Hugin; the LensFun profile (.xml) goes into LensFun's "
           + "folder (~/.local/share/lensfun) for darktable, digiKam and RawTherapee; the page (.html) is the report."),

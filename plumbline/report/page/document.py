@@ -77,7 +77,7 @@ def page_bytes(parts: Sequence[Part], assignment: Assignment) -> bytes:
         title = tag("h2", name) if len(parts) > 1 else None
         sections.append(tag("section", title, *_section(part, first)))
         first += count_figures(part.calibration)
-    heading = names[0] if len(parts) == 1 else count(len(parts), "lens").replace("lenss", "lenses")
+    heading = names[0] if len(parts) == 1 else count(len(parts), "lens", "lenses")
     body = tag(
         "body",
         tag("header", tag("h1", f"Lens calibration: {heading}"), _assigned(assignment)),

@@ -175,7 +175,7 @@ def comparison(compared: Comparison, *, quoted: bool) -> Iterator[Element]:
         "p",
         "ΔAICc: AICc above the lowest. Left out: root mean square residual of lines that did not "
         "take part in the fit. Off best: the largest difference from the best row over the range "
-        "of the picks. Error: the largest standard error there, with what the models disagree by.",
+        "of the picks. Error: the standard error to quote.",
         class_="muted",
     )
 

@@ -44,7 +44,7 @@ def _print_suspects(console: Console, calibration: Calibration) -> None:
     if not suspects:
         return
     them = "it" if suspects == 1 else "them"
-    told = f"took part: see plumbline check and mend {them} first, or leave {them} out with"
+    told = f"took part: see plumbline check and correct {them} first, or leave {them} out with"
     if calibration.robust:
         told = f"{'was' if suspects == 1 else 'were'} left out: plumbline fit lists {them} with"
     _print(console, f"• {count(suspects, 'suspicious pick')} {told} --robust")

@@ -125,5 +125,5 @@ def test_names_of_later_versions_are_passed_over() -> None:
     content["observations"]["lines"][0]["weights"] = [1] * 9
     assert read(content).n_points == WHOLE.n_points
     content["format_version"] = 2
-    with pytest.raises(ReadError, match="another version"):
+    with pytest.raises(ReadError, match="written by a newer plumbline"):
         read(content)
