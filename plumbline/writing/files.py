@@ -13,7 +13,7 @@ from plumbline.formats.base import Source
 from plumbline.formats.known import FORMATS
 from plumbline.lenses.stored import StoredLens
 from plumbline.lenses.stored_files import stored_lenses
-from plumbline.observations.facts import LensFacts
+from plumbline.reading.gathering import labelled
 from plumbline.writing.export import export
 from plumbline.writing.targets import TARGETS
 
@@ -120,7 +120,7 @@ def one_lens(source: Source, image: int | None) -> StoredLens:
 
 
 def _with_facts(stored: StoredLens, facts: Mapping[str, Any]) -> dict[str, Any]:
-    known: LensFacts = replace(stored.facts, **facts)
+    known = labelled(stored.facts, facts, stored.lens.frame)
     observations = stored.observations
     if observations is not None:
         observations = replace(observations, lenses=(known,))

@@ -31,6 +31,7 @@ from plumbline.lenses.zoom.json import zoom_text
 from plumbline.lenses.zoom.needs import displacement_px
 from plumbline.lenses.zoom.zoom_lens import ZoomLens
 from plumbline.models import CENTRE
+from plumbline.reading.gathering import labelled
 from plumbline.result.calibration import Calibration, refuse_unsettled
 from plumbline.result.files import consistent_results
 from plumbline.wording import count
@@ -75,8 +76,8 @@ def read_zoom_lens(
         ]
     refuse_unsettled([calibration for _, calibration in calibrations])
     lens = join(calibrations, method, degree)
-    given = {name: value for name, value in (labels or {}).items() if value is not None}
-    return replace(lens, facts=replace(lens.facts, **given))
+    frame = Frame(*lens.size, lens.pixel_aspect)
+    return replace(lens, facts=labelled(lens.facts, labels or {}, frame))
 
 
 def zoom_bytes(lens: ZoomLens, target: Path) -> tuple[bytes, list[str]]:

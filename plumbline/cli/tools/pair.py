@@ -10,11 +10,13 @@ from plumbline.errors import OptionError, PlumblineError
 from plumbline.files import is_same, read_bytes
 from plumbline.formats.base import Source
 from plumbline.formats.points.matches import read_matches
+from plumbline.frame import Frame
 from plumbline.imaging.upright import photo_of, read_upright
 from plumbline.observations import Origin
 from plumbline.observations.facts import LensFacts
 from plumbline.pairs.calibrate import calibrate_pair
 from plumbline.photos.exif import PhotoFacts, read_photo
+from plumbline.reading.gathering import labelled
 from plumbline.reading.photo import note_on_orientation, with_exif
 from plumbline.result.pair import PairCalibration
 
@@ -41,7 +43,7 @@ def from_pictures(
         )
     first, second = read_upright(original), read_upright(corrected)
     notes = note_on_orientation(first.facts, first.facts.size)
-    facts = _facts([first.facts, second.facts], labels, notes)
+    facts = _facts([first.facts, second.facts], labels, notes, first.facts.size)
     calibration = _named(
         f"{original} and {corrected}",
         original=first.pixels,
@@ -87,11 +89,12 @@ def from_points(
             f"{photo} is {known.size[0]}x{known.size[1]}, and --size says {size[0]}x{size[1]}",
             hint="leave out --size",
         )
-    facts = _facts([] if known is None else [known], labels, notes)
+    taken = size if known is None else known.size
+    facts = _facts([] if known is None else [known], labels, notes, taken)
     calibration = _named(
         path,
         points=points,
-        size=size if known is None else known.size,
+        size=taken,
         facts=facts,
         name="" if known is None else known.name,
         **how,
@@ -99,15 +102,20 @@ def from_points(
     return _with(calibration, notes, (Origin(path, "csv", source.content),))
 
 
-def _facts(photos: list[PhotoFacts], labels: Mapping[str, Any], notes: list[str]) -> LensFacts:
-    """What EXIF tells of the lens, the original's first, and what the user says."""
+def _facts(
+    photos: list[PhotoFacts],
+    labels: Mapping[str, Any],
+    notes: list[str],
+    size: tuple[int, int] | None,
+) -> LensFacts:
+    """What EXIF says of the lens, the original's first, and what the user says.
+
+    Without a size the fit is refused, so that what the user says of its shape need not be checked.
+    """
     told = LensFacts()
     for photo in reversed(photos):
         told = with_exif(told, [photo], notes)
-    given = {name: value for name, value in labels.items() if value is not None}
-    if "crop_factor" in given:
-        given["crop_factor_error"] = None
-    return replace(told, **given)
+    return told if size is None else labelled(told, labels, Frame(*size))
 
 
 def _named(what: str, **how: Any) -> PairCalibration:

@@ -8,8 +8,8 @@ be off, its own picking errors and the choice of model together, is its overall 
 unconditional standard error, section 4.3). Of the rows whose overall error is at most a fifth
 larger than the smallest, or so small that it does not matter, that with the fewest coefficients is
 taken. What is quoted with it is the error of its own fit, as everywhere: see `Calibration.quoted`.
-Rows that the picks rule out, by an AICc higher by 10 ("essentially no support", section 2.6), are taken only where their curve is within
-0.1 px of the best.
+Rows that the picks rule out, by an AICc higher by 10 ("essentially no support", section 2.6), are
+taken only where their curve is within 0.1 px of the best.
 
 The distortion centre, and the tangential terms that act like it, are ill-posed. Models that free
 them are recommended only where lines left out of the fit become straighter by them, and AICc falls
