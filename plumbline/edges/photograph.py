@@ -16,6 +16,7 @@ from plumbline.lenses.photo_history import history_notes
 from plumbline.observations import Observations, Photo
 from plumbline.photos.exif import PhotoFacts, read_photo
 from plumbline.photos.files.picture import decode
+from plumbline.photos.turning import turned_upright
 
 PhotoSource = str | Path | NDArray[Any]
 
@@ -144,17 +145,6 @@ def _from_file(path: Path, size: tuple[int, int] | None) -> Photograph:
     as_stored = facts.turned and size is not None and size == facts.stored_size != facts.size
     turned_already = facts.turned and pixels.shape[1::-1] == facts.size != facts.stored_size
     if not as_stored and not turned_already:
-        pixels = upright(pixels, facts.orientation)
+        pixels = turned_upright(pixels, facts.orientation)
     halved = picture.storage.format == "JPEG" and picture.storage.sampling != 0
     return Photograph(pixels, path.name, facts, halved, tuple(history_notes(facts)))
-
-
-def upright(pixels: NDArray[Any], orientation: int) -> NDArray[Any]:
-    """Pixels turned as EXIF's orientation 1 to 8 says (CIPA DC-008, tag 274)."""
-    if orientation in (5, 6, 7, 8):
-        pixels = pixels.swapaxes(0, 1)
-    if orientation in (2, 3, 6, 7):
-        pixels = pixels[:, ::-1]
-    if orientation in (3, 4, 7, 8):
-        pixels = pixels[::-1]
-    return pixels

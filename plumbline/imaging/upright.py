@@ -9,11 +9,11 @@ import numpy as np
 from PIL import Image
 
 from plumbline.files import read_bytes
-from plumbline.lenses.mapping import TURNS
 from plumbline.observations import Photo
 from plumbline.photos.exif import PhotoFacts, read_photo
 from plumbline.photos.files.picture import Picture, Pixels, decode
 from plumbline.photos.identity import Identity, identity_of
+from plumbline.photos.turning import turned_upright
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +38,7 @@ def read_upright(path: str | Path) -> Upright:
         ReadError: the file is missing, damaged or not a picture.
     """
     facts = read_photo(path)
-    pixels = turned(_plain(decode(read_bytes(path), path)), facts.orientation)
+    pixels = turned_upright(_plain(decode(read_bytes(path), path)), facts.orientation)
     return Upright(pixels, facts, identity_of(path))
 
 
@@ -53,18 +53,6 @@ def photo_of(photo: Upright) -> Photo:
         taken=which.taken,
         serial=which.serial,
     )
-
-
-def turned(pixels: Pixels, orientation: int) -> Pixels:
-    """Pixels as stored, turned upright by EXIF's orientation from 1 to 8."""
-    (x_by_x, x_by_y), (y_by_x, y_by_y) = TURNS[orientation]
-    if not x_by_x:
-        pixels = pixels.swapaxes(0, 1)
-    if x_by_x + x_by_y < 0:
-        pixels = pixels[:, ::-1]
-    if y_by_x + y_by_y < 0:
-        pixels = pixels[::-1]
-    return np.ascontiguousarray(pixels)
 
 
 def _plain(picture: Picture) -> Pixels:

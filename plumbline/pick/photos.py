@@ -17,6 +17,7 @@ from plumbline.errors import PlumblineError, ReadError
 from plumbline.files import read_bytes
 from plumbline.photos.exif import PhotoFacts, read_photo
 from plumbline.photos.files.picture import Picture, decode
+from plumbline.photos.turning import turned_upright
 
 Pixels = NDArray[Any]
 
@@ -135,14 +136,14 @@ class LoadedPhoto:
         small: Any = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), flags)
         if small is None:
             return
-        self._build(Level(upright(small, self.facts.orientation), "BGR"), _EIGHTH)
+        self._build(Level(turned_upright(small, self.facts.orientation), "BGR"), _EIGHTH)
 
     def _take(self, picture: Picture) -> None:
         pixels = picture.pixels
         if picture.alpha:
             pixels = pixels[..., 0] if pixels.shape[2] == 2 else pixels[..., :3]
         turned_before = self.facts.turned and pixels.shape[1::-1] == self.size
-        pixels = upright(pixels, 1 if turned_before else self.facts.orientation)
+        pixels = turned_upright(pixels, 1 if turned_before else self.facts.orientation)
         if pixels.shape[1::-1] != self.size:
             raise ReadError(
                 "the photo's header and its pixels give two different sizes", path=self.path
@@ -165,17 +166,6 @@ class LoadedPhoto:
         with self._changed:
             self._levels |= levels
             self._changed.notify_all()
-
-
-def upright(pixels: Pixels, orientation: int) -> Pixels:
-    """Pixels turned as EXIF's orientation 1 to 8 says (CIPA DC-008, tag 274)."""
-    if orientation in (5, 6, 7, 8):
-        pixels = pixels.swapaxes(0, 1)
-    if orientation in (2, 3, 6, 7):
-        pixels = pixels[:, ::-1]
-    if orientation in (3, 4, 7, 8):
-        pixels = pixels[::-1]
-    return np.ascontiguousarray(pixels)
 
 
 def is_photo(path: Path) -> bool:

@@ -15,6 +15,7 @@ from plumbline.photos.exif import read_photo
 from plumbline.photos.files.encode import encode, format_of
 from plumbline.photos.files.metadata import Metadata, note_of
 from plumbline.photos.files.picture import Picture, Pixels, decode
+from plumbline.photos.turning import turned_upright
 from plumbline.rectified.georeference import epsg_code, geotiff, sidecars
 from plumbline.rectified.grid import (
     COARSEST_M,
@@ -96,7 +97,7 @@ def rectify_picture(
     border = _border(request, source, target)
     grid = request.grid or _grid(found, source.pixels, request)
     ground = GroundMap(found.camera, grid, request.coarsest_m)
-    renderer = Renderer(upright(source.pixels, facts.orientation), ground, source.alpha)
+    renderer = Renderer(turned_upright(source.pixels, facts.orientation), ground, source.alpha)
     rendered = renderer.render(_outside(source, border))
     if not rendered.shown.any():
         raise OptionError(
@@ -118,17 +119,6 @@ def picture_files(
     if format_of(target) == "TIFF":
         data = geotiff(data, rectified.grid.world, epsg)
     return {target: data, **sidecars(target, rectified.grid, epsg)}, lost
-
-
-def upright(pixels: Pixels, orientation: int) -> Pixels:
-    """Pixels as stored, turned as a viewer shows them."""
-    if orientation in (5, 6, 7, 8):
-        pixels = np.swapaxes(pixels, 0, 1)
-    if orientation in (2, 3, 6, 7):
-        pixels = pixels[:, ::-1]
-    if orientation in (3, 4, 7, 8):
-        pixels = pixels[::-1]
-    return np.ascontiguousarray(pixels)
 
 
 def _grid(found: Rectification, pixels: Pixels, request: PictureRequest) -> Grid:

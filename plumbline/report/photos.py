@@ -15,6 +15,7 @@ from plumbline.errors import ReadError
 from plumbline.files import is_same, read_bytes
 from plumbline.observations import Photo
 from plumbline.photos.exif import read_photo
+from plumbline.photos.turning import turned_upright
 from plumbline.result.calibration import Calibration
 
 _LONG_SIDE = 1600
@@ -158,7 +159,7 @@ def _read(photo: Photo, path: Path) -> ShownPhoto:
         width, height = (max(1, round(scale * side)) for side in pixels.shape[1::-1])
         pixels = np.asarray(cv2.resize(pixels, (width, height), interpolation=cv2.INTER_AREA))
     upright = photo.frame.size == facts.size
-    shown = _upright(_as_rgb(pixels, inks=picture.inks), facts.orientation if upright else 1)
+    shown = turned_upright(_as_rgb(pixels, inks=picture.inks), facts.orientation if upright else 1)
     return ShownPhoto(path, sha256, np.ascontiguousarray(shown))
 
 
@@ -191,14 +192,3 @@ def _as_rgb(pixels: NDArray[Any], *, inks: bool) -> NDArray[np.uint8]:
     if inks:
         return np.asarray(Image.fromarray(values, "CMYK").convert("RGB"))
     return values[..., 2::-1]
-
-
-def _upright(pixels: NDArray[np.uint8], orientation: int) -> NDArray[np.uint8]:
-    """Turn a picture as EXIF's orientation says."""
-    if orientation >= 5:
-        pixels = np.swapaxes(pixels, 0, 1)
-    if orientation in (2, 3, 6, 7):
-        pixels = pixels[:, ::-1]
-    if orientation in (3, 4, 7, 8):
-        pixels = pixels[::-1]
-    return pixels

@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from PIL import Image
 
 import plumbline
-from plumbline.edges.photograph import load, upright
+from plumbline.edges.photograph import load
 from plumbline.edges.rough_lens import one_coefficient, polynomial
+from plumbline.photos.turning import turned_upright
 from tests.benchmarks.snapping import across, bend, corner_error_px, picked
 from tests.edges.drawn import SIZE, drawn, picks, step, stored
 from tests.render.optics import Array
@@ -104,7 +105,7 @@ def test_photos_that_exif_turns_are_seen_upright(
 ) -> None:
     seen = stored(drawn(step))
     back = {1: 1, 2: 2, 3: 3, 4: 4, 5: 5, 6: 8, 7: 7, 8: 6}[orientation]  # its inverse
-    pixels = np.ascontiguousarray(upright(seen, back))
+    pixels = np.ascontiguousarray(turned_upright(seen, back))
     exif = Image.Exif()
     exif[0x0112] = orientation
     path = tmp_path / "turned.png"

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from PIL import Image, ImageOps
+from PIL import Image
 
 from plumbline.errors import OptionError, ReadError
 from plumbline.frame import Frame
@@ -17,7 +17,7 @@ from plumbline.ground.camera import Camera
 from plumbline.ground.optics import Optics
 from plumbline.ground.rectification import Rectification
 from plumbline.ground.world_file import World, read_world
-from plumbline.lenses.mapping import TURNS, PhotoLens
+from plumbline.lenses.mapping import PhotoLens
 from plumbline.models import get_model
 from plumbline.photos.files.metadata import Metadata
 from plumbline.photos.files.tiff_writing import with_metadata
@@ -30,7 +30,6 @@ from plumbline.rectified.picture import (
     RectifiedPicture,
     picture_files,
     rectify_picture,
-    upright,
 )
 from plumbline.rectified.render import Renderer
 from tests.ground.scenes import Scene
@@ -238,16 +237,6 @@ def test_what_is_not_shown_is_transparent_where_the_format_can(
     request, path = PictureRequest(0.05, border="transparent"), saved(tmp_path, photo)
     with pytest.raises(OptionError, match="cannot be transparent"):
         rectify_picture(rectification(camera()), path, tmp_path / "o.jpg", request)
-
-
-@pytest.mark.parametrize("orientation", sorted(TURNS))
-def test_pixels_are_turned_upright(orientation: int) -> None:
-    """As Pillow turns them."""
-    pixels = np.arange(60, dtype=np.uint8).reshape(4, 5, 3)
-    image = Image.fromarray(pixels)
-    tags = image.getexif()
-    tags[0x0112] = orientation
-    assert np.array_equal(upright(pixels, orientation), np.asarray(ImageOps.exif_transpose(image)))
 
 
 def test_another_photo_is_refused(photo: Array, tmp_path: Path) -> None:
