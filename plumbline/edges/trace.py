@@ -74,6 +74,7 @@ class Traced:
         distance_px: Root mean square distance of the picks from it.
         rivals: Other edges that the picks could mean, the best first.
         refusal: Why it is refused; empty where it is not.
+        doubt: Why a rival may be meant as well; empty where none is as good.
     """
 
     points_px: Array
@@ -84,6 +85,7 @@ class Traced:
     distance_px: float = 0.0
     rivals: tuple[Rival, ...] = ()
     refusal: str = ""
+    doubt: str = ""
 
     @property
     def found(self) -> bool:
@@ -99,6 +101,7 @@ def trace(
     scatter_px: float = SCATTER_PX,
     sag_px: float | None = None,
     rival: int = 0,
+    choosing: bool = False,
 ) -> Traced:
     """Trace the edge that rough picks mean.
 
@@ -110,6 +113,8 @@ def trace(
         sag_px: How far the edge's middle may be from where the lens bends it to; by default what
             that scatter allows.
         rival: 0 for the edge that is most likely meant, 1 for the next, and so on.
+        choosing: Whether somebody looks at the edge, and may ask for a rival: of two that are as
+            good the first is then found, with a doubt, and not refused.
 
     Returns:
         The edge; a refusal is a value, not an error.
@@ -142,6 +147,8 @@ def trace(
         return _refused(_weak(0.0), 0.0, rivals)
     reason = "" if rival else _ambiguous(image, guide, chosen, others, samples)
     most = np.inf if rival else _AWAY * scatter_px  # a rival is asked for by name
+    if choosing:
+        return replace(_judged(samples, picks, float(most), rivals, ""), doubt=reason)
     return _judged(samples, picks, float(most), rivals, reason)
 
 

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from plumbline.errors import printable
 from plumbline.pick.document import Document
 from plumbline.pick.live import Fitted
 from plumbline.pick.observing import fitted_lines
+from plumbline.pick.words import on_page
 from plumbline.result.calibration import Calibration
 from plumbline.trust.displacement import displacement_errors
 from plumbline.trust.next_line import worthwhile_line
@@ -28,14 +28,14 @@ def judgement(fitted: Fitted, document: Document) -> dict[str, Any]:
     """
     calibration = fitted.calibration
     if calibration is None:
-        return {"failure": printable(fitted.failure), "hint": printable(fitted.hint)}
+        return {"failure": on_page(fitted.failure), "hint": on_page(fitted.hint)}
     goal_px = document.settings.goal_px
     return {
         "failure": "",
         "hint": "",
         "suspects": _suspects(calibration, document),
         "checks": [
-            {"good": check.passed and not check.doubtful, "text": printable(check.sentence)}
+            {"good": check.passed and not check.doubtful, "text": on_page(check.sentence)}
             for check in calibration.checks
         ],
         "map": _map(calibration),
@@ -54,7 +54,7 @@ def _suspects(calibration: Calibration, document: Document) -> list[dict[str, An
             .round(3)
             .tolist(),
             "whole": suspect.kind in ("bent line", "no line"),
-            "text": printable(suspect.sentence),
+            "text": on_page(suspect.sentence),
         }
         for suspect in calibration.suspects
     ]

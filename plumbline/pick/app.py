@@ -14,12 +14,13 @@ from starlette.responses import Response
 from starlette.routing import Route
 from starlette.types import Receive, Scope, Send
 
-from plumbline.errors import OptionError, PlumblineError, printable
+from plumbline.errors import OptionError, PlumblineError
 from plumbline.pick import requests
 from plumbline.pick.finishing import Drawing, compared, finished
 from plumbline.pick.security import TooMuchError
 from plumbline.pick.session import Session
 from plumbline.pick.tiles import tile
+from plumbline.pick.words import on_page
 
 _KINDS = {
     ".html": "text/html",
@@ -133,7 +134,7 @@ def _told(payload: Any, status: int = 200) -> Response:
 async def _refused(_: Request, error: Exception) -> Response:
     if not isinstance(error, PlumblineError):
         raise error
-    return _told({"error": printable(error.message), "hint": printable(error.hint)}, 400)
+    return _told({"error": on_page(error.message), "hint": on_page(error.hint)}, 400)
 
 
 async def _too_much(_: Request, __: Exception) -> Response:

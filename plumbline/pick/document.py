@@ -71,11 +71,18 @@ class Change(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         return Change(self.after, self.before)
 
 
-class Action(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """What the user did, in a word or two, and what it changed."""
+class Action(msgspec.Struct, frozen=True, omit_defaults=True, forbid_unknown_fields=True):
+    """What the user did.
+
+    Attributes:
+        name: In a word or two.
+        changes: The lines that it changed.
+        rejected: Proposals that it rejected, each by its first and last point.
+    """
 
     name: str
     changes: tuple[Change, ...]
+    rejected: tuple[tuple[Point, Point], ...] = ()
 
 
 class Proposal(msgspec.Struct, frozen=True):
@@ -135,7 +142,6 @@ class Document(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         next_number: The number of the next line.
         facts: What is known of the lens.
         imported: SHA-256 of the files of points that lines were taken from.
-        rejected: Proposals that the user rejected, each by its first and last point.
     """
 
     format: str
@@ -148,7 +154,11 @@ class Document(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     next_number: int = 1
     facts: LensFacts = LensFacts()
     imported: tuple[str, ...] = ()
-    rejected: tuple[tuple[Point, Point], ...] = ()
+
+    @property
+    def rejected(self) -> set[tuple[Point, Point]]:
+        """Proposals that the user rejected, each by its first and last point."""
+        return {ends for action in self.done for ends in action.rejected}
 
     def line(self, number: int) -> PickedLine:
         """The line of that number.
@@ -161,9 +171,11 @@ class Document(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
                 return each
         raise OptionError(f"there is no line {number}", hint="it was deleted; undo brings it back")
 
-    def acted(self, name: str, changes: Sequence[Change]) -> Document:
+    def acted(
+        self, name: str, changes: Sequence[Change], rejected: Sequence[tuple[Point, Point]] = ()
+    ) -> Document:
         """The document after an action; what was undone before cannot be done again."""
-        action = Action(name, tuple(changes))
+        action = Action(name, tuple(changes), tuple(rejected))
         after = self.changed(action.changes)
         highest = max((each.number for each in after.lines), default=0)
         return msgspec.structs.replace(
@@ -192,7 +204,7 @@ class Document(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     def amended(self, change: Change) -> Document:
         """The document after one more change that belongs to its last action."""
         *before, last = self.done
-        action = Action(last.name, (*last.changes, change))
+        action = Action(last.name, (*last.changes, change), last.rejected)
         return msgspec.structs.replace(self.changed([change]), done=(*before, action))
 
     def changed(self, changes: Iterable[Change]) -> Document:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import msgspec
@@ -40,12 +40,14 @@ class Traced:
         errors: Standard error of each across it.
         rivals: How many other edges the clicks could mean.
         refusal: Why there is none; else empty.
+        doubt: Why another of them may be meant; empty where none is as good.
     """
 
     points: tuple[Point, ...] = ()
     errors: tuple[float, ...] = ()
     rivals: int = 0
     refusal: str = ""
+    doubt: str = ""
 
 
 class Tracer(Protocol):
@@ -66,11 +68,13 @@ class Edited:
         document: The document after it.
         line: The number of the line to look at; None for none.
         refusal: Why nothing was done, to be shown at the pointer; else empty.
+        doubt: Why something else may be meant, to be shown there too; else empty.
     """
 
     document: Document
     line: int | None = None
     refusal: str = ""
+    doubt: str = ""
 
 
 @dataclass(frozen=True)
@@ -88,7 +92,7 @@ class Editor:
     def proposed(self, document: Document) -> list[Proposal]:
         """The proposals that the user neither took nor rejected."""
         known = {(line.points[0], line.points[-1]) for line in document.lines if line.points}
-        known |= set(document.rejected)
+        known |= document.rejected
         return [each for each in self.proposals if each.ends not in known]
 
     def edited(self, document: Document, request: requests.Request, lens: Lens | None) -> Edited:
@@ -109,6 +113,8 @@ class Editor:
                 return Edited(document.after_next())
             case requests.Set():
                 return Edited(_set(document, request))
+            case requests.Describe():
+                return Edited(_described(document, request))
             case requests.Accept() | requests.Reject():
                 return self._answered(document, request)
             case _:
@@ -140,8 +146,7 @@ class Editor:
         """Proposals taken as lines, or one rejected."""
         if isinstance(request, requests.Reject):
             (each,) = self._asked(document, (request.proposal,))
-            rejected = (*document.rejected, each.ends)
-            return Edited(msgspec.structs.replace(document, rejected=rejected))
+            return Edited(document.acted("reject a proposed line", (), (each.ends,)))
         changes: list[Change] = []
         taken = self._asked(document, request.proposals)[: MOST_LINES - len(document.lines)]
         for number, each in enumerate(taken, document.next_number):
@@ -207,7 +212,7 @@ class Editor:
         )
         if wrong := document.problem_of(free):
             raise OptionError(wrong)
-        after = free
+        after, doubt = free, ""
         if line.snapped and self.tracer is not None:
             traced = self.tracer(line.photo, line.clicks, lens, line.rival)
             if traced.refusal:
@@ -216,7 +221,9 @@ class Editor:
             after = msgspec.structs.replace(
                 line, points=traced.points, errors=traced.errors, rivals=traced.rivals
             )
-        return Edited(document.acted(name, [Change(before, after)]), line.number)
+            doubt = traced.doubt
+        done = document.acted(name, [Change(before, after)])
+        return Edited(done, line.number, doubt=doubt)
 
 
 def _deleted(document: Document, line: PickedLine) -> Edited:
@@ -233,6 +240,14 @@ def _place_along(clicks: Sequence[Point], new: Point) -> int:
     if along[0] > along[-2]:
         along = -along
     return int(np.searchsorted(np.sort(along[:-1]), along[-1]))
+
+
+def _described(document: Document, request: requests.Describe) -> Document:
+    """The document with the user's facts of the lens."""
+    said = msgspec.structs.asdict(request)
+    if request.crop_factor != document.facts.crop_factor:
+        said["crop_factor_error"] = None
+    return msgspec.structs.replace(document, facts=replace(document.facts, **said))
 
 
 def _set(document: Document, request: requests.Set) -> Document:

@@ -1,7 +1,8 @@
 """Find edges to propose, in a process of its own: it takes seconds of processor time.
 
 `python -m plumbline.pick.finding` reads a photo's name from its standard input, and writes what
-`plumbline.edges.find` finds to its standard output: nothing, where the photo cannot be read.
+`plumbline.edges.find` finds to its standard output: nothing, where the photo cannot be read. It
+ends when its input does, however the server ended.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import threading
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -74,7 +76,8 @@ class Finder:
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
         )
-        answer = self._process.communicate(os.fsencode(path))[0]
+        with self._process as process:
+            answer = _answer(process, path)
         if not answer:
             return None
         told = msgspec.json.decode(answer, type=_Told)
@@ -93,8 +96,27 @@ class Finder:
             self._process.wait()
 
 
+def _answer(process: subprocess.Popen[bytes], path: Path) -> bytes:
+    """What the process says of a photo; nothing where it was stopped."""
+    if process.stdin is None or process.stdout is None:
+        return b""
+    try:
+        process.stdin.write(msgspec.json.encode(os.fsencode(path)) + b"\n")
+        process.stdin.flush()
+    except OSError:
+        return b""
+    return process.stdout.read()
+
+
+def _end_with_server() -> None:
+    """End with the server, whose end closes this process's input."""
+    os.read(sys.stdin.fileno(), 1)
+    os._exit(1)
+
+
 def main(path: str) -> None:
     """Write the edges of one photo."""
+    threading.Thread(target=_end_with_server, daemon=True).start()
     from plumbline.edges.find import find_edges
     from plumbline.edges.snap import SAMPLES
     from plumbline.edges.trace import condensed
@@ -122,4 +144,4 @@ def main(path: str) -> None:
 
 
 if __name__ == "__main__":
-    main(os.fsdecode(sys.stdin.buffer.read()))
+    main(os.fsdecode(msgspec.json.decode(sys.stdin.buffer.readline(), type=bytes)))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -16,10 +17,14 @@ from plumbline.observations import Observations, Origin
 from plumbline.pick.document import FORMAT, Document
 from plumbline.pick.observing import observations_of
 from plumbline.pick.session import Session
+from plumbline.pick.words import on_page
 from plumbline.result.calibration import Calibration
 from plumbline.result.comparison import Comparison, as_dict
 from plumbline.result.sentence import finding_sentence
 from plumbline.writing.beside import command_line, write_results
+
+_LENSFUN_FOLDER = r"%LOCALAPPDATA%\lensfun" if os.name == "nt" else "~/.local/share/lensfun"
+"""Where LensFun looks for a user's own profiles."""
 
 
 class Drawing(Protocol):
@@ -71,8 +76,10 @@ def finished(session: Session, draw: Drawing) -> dict[str, Any]:
         raise
     return {
         "finding": finding_sentence(calibration),
+        "folder": printable(str(photo.absolute().parent)),
         "files": [printable(path.name) for path in written],
-        "notes": [printable(note) for note in (*notes, *more, *unseen, *calibration.notes)],
+        "lensfun": _LENSFUN_FOLDER,
+        "notes": [on_page(note) for note in (*notes, *more, *unseen, *calibration.notes)],
     }
 
 

@@ -33,7 +33,7 @@ def observations_of(
     """
     lines = [Line(_thinned(line, most), line.photo, line.name) for line in fitted_lines(document)]
     photos = [
-        Photo(record.size, record.name, number=number)
+        Photo(record.size, record.name, number=number, sha256=record.sha256)
         for number, record in enumerate(document.photos)
     ]
     origins = () if origin is None else (origin,)

@@ -50,6 +50,11 @@ class LoadedPhoto:
     Args:
         path: The file.
 
+    Attributes:
+        sha256: Of the file's bytes, in hexadecimal; empty until it is loaded.
+        picked_sha256: The same when it was picked in; empty where that is not known.
+        failure: Why it cannot be decoded; None where it can, or is not yet.
+
     Raises:
         ReadError: it is not a photograph that can be read.
     """
@@ -59,6 +64,7 @@ class LoadedPhoto:
         self.facts: PhotoFacts = read_photo(path)
         self.size = self.facts.size
         self.sha256 = ""
+        self.picked_sha256 = ""
         self.icc = b""
         self.failure: PlumblineError | None = None
         self._levels: dict[int, Level] = {}
@@ -113,8 +119,12 @@ class LoadedPhoto:
         return level.pixels if self._source is None else self._source
 
     @property
-    def changed_on_disk(self) -> str:
-        """What happened to the file since it was opened, in a sentence; empty if nothing."""
+    def trouble(self) -> str:
+        """Why it cannot be shown, or is shown as it was, in a sentence; empty if all is well."""
+        if self.failure is not None:
+            return self.failure.message
+        if self.sha256 and self.picked_sha256 not in ("", self.sha256):
+            return f"{self.path.name} has changed since the picks were made: check them"
         now = _stamp(self.path)
         if now == self._stamp:
             return ""

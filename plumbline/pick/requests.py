@@ -16,6 +16,8 @@ Coordinate = Annotated[float, msgspec.Meta(ge=-_FAR, le=_FAR)]
 Click = tuple[Coordinate, Coordinate]
 Clicks = Annotated[tuple[Click, ...], msgspec.Meta(min_length=1, max_length=_MOST_CLICKS)]
 Name = Annotated[str, msgspec.Meta(max_length=40)]
+Text = Annotated[str, msgspec.Meta(max_length=200)]
+Positive = Annotated[float, msgspec.Meta(gt=0, le=100_000)]
 Index = Annotated[int, msgspec.Meta(ge=0, le=1_000_000)]
 
 
@@ -95,7 +97,18 @@ class Set(_Request, frozen=True, tag="set"):
     goal_px: Annotated[float, msgspec.Meta(gt=0, le=1000)]
 
 
-Request = Draw | Extend | Move | Remove | Rival | Snap | Accept | Reject | Undo | Redo | Set
+class Describe(_Request, frozen=True, tag="describe"):
+    """Say what LensFun is to call the lens; empty and None where it is not known."""
+
+    maker: Text
+    model: Text
+    mount: Text
+    focal_mm: Positive | None
+    crop_factor: Positive | None
+
+
+_Lines = Draw | Extend | Move | Remove | Rival | Snap | Accept | Reject | Undo | Redo
+Request = _Lines | Set | Describe
 
 
 class Act(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

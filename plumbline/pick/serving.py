@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import os
 import secrets
+import signal
 import socket
 import sys
 import webbrowser
@@ -66,6 +67,8 @@ def serve(
         lifespan="off",
     )
     server = _Server(config, lambda: announce(address, browser and opened(address)))
+    # Uvicorn raises a signal again once it has stopped; SIGTERM would then end without a last save.
+    signal.signal(signal.SIGTERM, lambda number, _: sys.exit(128 + number))
     session.begin()
     try:
         server.run(sockets=[listening])

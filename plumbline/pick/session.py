@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any
 
+import msgspec
+
 from plumbline.errors import PlumblineError, printable
 from plumbline.geometry.lens import Lens
 from plumbline.models import MODELS
@@ -25,6 +27,10 @@ from plumbline.pick.telling import told
 
 _WATCH_S = 2.0
 """Seconds between looks at the photos on disk, and between tries to save what is not saved."""
+
+
+_TOLD_FACTS = ("maker", "model", "mount", "focal_mm", "crop_factor")
+"""What LensFun calls a lens by (`plumbline.pick.requests.Describe`)."""
 
 
 class Session:
@@ -51,13 +57,13 @@ class Session:
         self.photos = tuple(photos)
         self.keeper = keeper
         self.document = document
-        self.fitted = Fitted(None, "no line is picked yet")
+        self.fitted = Fitted(None, "the picks are being fitted")
         self._notes = tuple(notes)
         self._editor = Editor(tracer)
         self._revision = 0
         self._unsaved = ""
         self._warm = False
-        self._changed_photos = ""
+        self._trouble = ""
         self._judgement: dict[str, Any] = {}
         self._lock = threading.RLock()
         self._saver = ThreadPoolExecutor(1, "save")
@@ -110,6 +116,7 @@ class Session:
             return self.state() | {
                 "selected": edited.line,
                 "refusal": printable(edited.refusal),
+                "doubt": printable(edited.doubt),
             }
 
     def state(self) -> dict[str, Any]:
@@ -125,6 +132,7 @@ class Session:
                 "fit": told(self.fitted, document),
                 "unsaved": printable(self._unsaved),
                 "proposals": self._editor.proposed(document),
+                "facts": {name: getattr(document.facts, name) for name in _TOLD_FACTS},
             }
 
     def opening(self) -> dict[str, Any]:
@@ -151,6 +159,7 @@ class Session:
                 "notes": [printable(note) for note in self._notes],
                 "holder": self.holder.page,
                 "ready": self._warm,
+                "trouble": printable(self._trouble),
             }
 
     def _edited(self, request: requests.Request) -> Edited:
@@ -193,15 +202,25 @@ class Session:
 
     def _load(self) -> None:
         """Decode all photos, then look for edges in them."""
-        for photo in self.photos:
+        for number, photo in enumerate(self.photos):
+            photo.picked_sha256 = self.document.photos[number].sha256
             photo.load()
-            if photo.failure is not None:
-                self.hub.publish("failure", printable(photo.failure.message))
+            if photo.sha256 and not photo.picked_sha256:
+                self._know(number, photo.sha256)
+        self._look_at_photos()
         if self._editor.tracer is None:
             return
         for number, photo in enumerate(self.photos):
             if photo.failure is None:
                 self._propose(number, photo)
+
+    def _know(self, number: int, sha256: str) -> None:
+        """Keep which bytes are picked in."""
+        with self._lock:
+            photos = list(self.document.photos)
+            photos[number] = msgspec.structs.replace(photos[number], sha256=sha256)
+            self.document = msgspec.structs.replace(self.document, photos=tuple(photos))
+            self._saver.submit(self._save, self.document)
 
     def _propose(self, number: int, photo: LoadedPhoto) -> None:
         first = len(self._editor.proposals)
@@ -239,12 +258,16 @@ class Session:
     def _watch(self) -> None:
         """Look after the disk: photos that change, picks that could not be saved."""
         while not self._stopped.wait(_WATCH_S):
-            changed = "; ".join(filter(None, (photo.changed_on_disk for photo in self.photos)))
-            if changed != self._changed_photos:
-                self._changed_photos = changed
-                self.hub.publish("photos", printable(changed))
+            self._look_at_photos()
             if self._unsaved:
                 with self._lock:
                     self._saver.submit(self._save, self.document).result()
                     unsaved = self._unsaved
                 self.hub.publish("unsaved", printable(unsaved))
+
+    def _look_at_photos(self) -> None:
+        """Tell the pages what is wrong with the photos."""
+        trouble = "; ".join(filter(None, (photo.trouble for photo in self.photos)))
+        if trouble != self._trouble:
+            self._trouble = trouble
+            self.hub.publish("trouble", printable(trouble))

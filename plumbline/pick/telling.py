@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from plumbline.errors import printable
 from plumbline.frame import Array
 from plumbline.geometry.finding import radial_curve
 from plumbline.geometry.lines import by_line, fit_lines
 from plumbline.pick.document import Document
 from plumbline.pick.live import Fitted
 from plumbline.pick.observing import fitted_lines
+from plumbline.pick.words import on_page
 from plumbline.result.calibration import Calibration
 from plumbline.result.sentence import finding_sentence
 from plumbline.trust.linearised import in_frame
@@ -31,10 +31,10 @@ def told(fitted: Fitted, document: Document) -> dict[str, Any]:
     """
     calibration = fitted.calibration
     if calibration is None:
-        return {"failure": printable(fitted.failure), "hint": printable(fitted.hint)}
+        return {"failure": on_page(fitted.failure), "hint": on_page(fitted.hint)}
     sure = calibration.quoted_displacement
     return {
-        "failure": "" if calibration.converged else calibration.reason,
+        "failure": "" if calibration.converged else on_page(calibration.reason),
         "hint": "",
         "finding": finding_sentence(calibration),
         "model": calibration.model,

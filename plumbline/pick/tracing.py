@@ -56,6 +56,8 @@ class Tracer:
         found = trace(image, picks, lens, rival=rival)
         if not found.found and lens is None and len(clicks) == _UNBENT:
             found = self._guessed(image, picks, rival) or found
+        if found.rivals and not found.found:
+            found = trace(image, picks, lens, rival=rival, choosing=True)
         if found.refusal:
             return Traced(refusal=found.refusal, rivals=len(found.rivals))
         samples = condensed(found, SAMPLES)
@@ -63,6 +65,7 @@ class Tracer:
             _plain(samples.points_px),
             tuple(np.round(samples.errors_px, 4).tolist()),
             len(found.rivals),
+            doubt=found.doubt,
         )
 
     def _guessed(self, image: Any, picks: Array, rival: int) -> Found | None:

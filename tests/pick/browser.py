@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
@@ -64,7 +64,7 @@ class Driven:
         """What the stage says of itself."""
         return self.page.locator("#stage").get_attribute(f"data-{name}") or ""
 
-    def place(self, point: tuple[float, float]) -> tuple[float, float]:
+    def place(self, point: Sequence[float]) -> tuple[float, float]:
         """Where a point of the photo is on the screen."""
         box = self.page.locator("#stage").bounding_box()
         assert box is not None
@@ -74,13 +74,22 @@ class Driven:
             box["y"] + box["height"] / 2 + (point[1] - y) * scale,
         )
 
-    def click(self, point: tuple[float, float], **how: Any) -> None:
-        """Click at a point of the photo, and wait for what comes of it."""
-        self.page.mouse.click(*self.place(point), **how)
+    def click(self, point: Sequence[float], *keys: str) -> None:
+        """Click at a point of the photo, and wait for what comes of it.
+
+        Args:
+            point: In the photo's pixels.
+            keys: Keys that are held meanwhile.
+        """
+        for key in keys:
+            self.page.keyboard.down(key)
+        self.page.mouse.click(*self.place(point))
+        for key in keys:
+            self.page.keyboard.up(key)
         self.clicks += 1
         self.settled()
 
-    def zoom_to(self, point: tuple[float, float], notches: int) -> None:
+    def zoom_to(self, point: Sequence[float], notches: int) -> None:
         """Turn the wheel over a point of the photo."""
         self.page.mouse.move(*self.place(point))
         for _ in range(notches):
@@ -93,6 +102,15 @@ class Driven:
         for key in keys:
             self.page.keyboard.press(key)
             self.settled()
+
+    def heap_bytes(self) -> float:
+        """What the page's objects take, once those that nobody uses are collected."""
+        session = self.context.new_cdp_session(self.page)
+        session.send("Performance.enable")
+        session.send("HeapProfiler.collectGarbage")
+        metrics = session.send("Performance.getMetrics")["metrics"]
+        session.detach()
+        return next(each["value"] for each in metrics if each["name"] == "JSHeapUsedSize")
 
     def text(self, selector: str) -> str:
         """What an element says."""

@@ -83,9 +83,7 @@ def _judge(camera: Camera) -> None:
     camera.shoot()
     driven.page.locator("#stage").focus()
     driven.press("u", "s", "n", "s")  # the first line's clicks, and one more that is wrong
-    driven.page.keyboard.down("Shift")
-    driven.click((1130.0, 280.0))
-    driven.page.keyboard.up("Shift")
+    driven.click((1130.0, 280.0), "Shift")
     driven.page.mouse.move(640, 20)
     driven.page.wait_for_selector("#suspects li", timeout=60_000)
     driven.press("Escape")

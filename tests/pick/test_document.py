@@ -160,6 +160,7 @@ def test_proposals_are_taken_rejected_and_come_back() -> None:
     assert [line.points for line in document.lines] == [each.points for each in found[1:]]
     assert not editor.proposed(document)
     assert editor.proposed(document.before_last()) == list(found[1:])
+    assert editor.proposed(document.before_last().before_last()) == list(found)
     with pytest.raises(OptionError, match="before"):
         editor.edited(document, requests.Accept((2,)), None)
 

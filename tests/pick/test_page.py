@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 import shutil
 import signal
 import threading
@@ -101,27 +102,41 @@ def test_two_clicks_a_line_end_in_the_right_lens(
         assert off_truth_px(coefficients(server)) < WITHIN_PX
         driven.page.keyboard.press("Control+s")
         driven.page.wait_for_selector("#sheet code", timeout=180_000)
-        written = {Path(each).name for each in driven.page.locator("#sheet code").all_inner_texts()}
-        assert {"facade.fit.pto", "facade.fit.xml", "facade.fit.html"} <= written
+        written = driven.page.locator("#sheet li code").all_inner_texts()
+        assert written == ["facade.fit.pto", "facade.fit.xml", "facade.fit.html"]
         assert all((photo.parent / name).stat().st_size for name in written)
+        profile = photo.with_suffix(".fit.xml").read_text()
+        values = {n: float(v) for n, v in re.findall(r' ([abc])="([^"]+)"', profile)}
+        assert off_truth_px(values) < WITHIN_PX
         assert driven.complaints == []
 
 
-def test_proposals_are_taken_at_a_key(browser: Browser, photo: Path) -> None:
+def test_proposals_are_taken_and_rejected(browser: Browser, photo: Path) -> None:
     with served(photo) as server:
         driven = Driven(browser, server)
-        proposals: list[Any] = []
-        while not proposals:  # the test's own limit ends it
-            driven.page.wait_for_timeout(200)
-            proposals = server.state()["proposals"]
+        driven.page.wait_for_selector("#stage[data-proposed]:not([data-proposed='0'])")
+        proposals = server.state()["proposals"]
         assert len(proposals) >= 8
-        middle = proposals[0]["points"][len(proposals[0]["points"]) // 2]
-        driven.click((middle[0], middle[1]))
+        first, second = (each["points"] for each in proposals[:2])
+        driven.page.mouse.move(*driven.place(first[12]))
+        assert "takes this edge" in driven.text("#mode")
+        driven.click(first[1], "Alt")  # a free pick, though it is near
+        driven.press("Escape")
+        assert driven.lines() == 0
+        driven.click(first[1])
         assert driven.lines() == 1
-        driven.press("Control+Enter")
-        assert driven.lines() == len(proposals)
+        driven.click(first[-2])  # who clicks both ends, as everywhere else, gets it once
+        assert driven.text("#mode") == "click near one end of an edge"
+        assert driven.lines() == 1
+        driven.press("Escape")
+        driven.click(second[12], "Shift")
+        assert len(server.state()["proposals"]) == len(proposals) - 2
+        driven.press("Control+z")
+        assert len(server.state()["proposals"]) == len(proposals) - 1
+        driven.press("Control+Shift+z", "Control+Enter")
+        assert driven.lines() == len(proposals) - 1
         assert off_truth_px(coefficients(server)) < WITHIN_PX
-        driven.press("Control+z", "Control+z")
+        driven.press("Control+z", "Control+z", "Control+z")
         assert driven.lines() == 0
         assert len(server.state()["proposals"]) == len(proposals)
 
@@ -311,6 +326,7 @@ def test_controls_have_names_and_the_result_is_spoken(browser: Browser, photo: P
         )
         assert unnamed == []
         driven.page.wait_for_selector("#spoken:not(:empty)", state="attached")
+        assert (driven.page.locator("#spoken").text_content() or "").startswith("14 lines. ")
         driven.press("n")
         assert driven.page.locator("#lines button[aria-pressed=true]").count() == 1
 
@@ -375,17 +391,9 @@ def test_memory_does_not_grow(browser: Browser, photo: Path) -> None:
     with served(photo, FACADE.with_name("picks.csv")) as server:
         driven = Driven(browser, server)
         driven.click((10.2, 43.4))
-        session = driven.context.new_cdp_session(driven.page)
-        session.send("Performance.enable")
-
-        def heap() -> float:
-            session.send("HeapProfiler.collectGarbage")
-            metrics = session.send("Performance.getMetrics")["metrics"]
-            return next(each["value"] for each in metrics if each["name"] == "JSHeapUsedSize")
-
         sizes: list[float] = []
         for _ in range(3):
             for key in ("Shift+ArrowRight", "Shift+ArrowLeft") * 15:
                 driven.press(key)
-            sizes.append(heap())
+            sizes.append(driven.heap_bytes())
         assert sizes[2] < sizes[0] + 2e6

@@ -161,11 +161,11 @@ def test_a_photo_that_changes_is_noticed(tmp_path: Path) -> None:
     path = tmp_path / "a.png"
     Image.fromarray(ramp()).save(path)
     photo = opened(path)
-    assert photo.changed_on_disk == ""
+    assert photo.trouble == ""
     Image.fromarray(ramp()[:100]).save(path)
-    assert "was changed" in photo.changed_on_disk
+    assert "was changed" in photo.trouble
     path.unlink()
-    assert "moved or deleted" in photo.changed_on_disk
+    assert "moved or deleted" in photo.trouble
 
 
 def test_two_clicks_find_the_edge_between_them(tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import shutil
 import signal
@@ -137,6 +138,32 @@ def test_tiles_that_are_not_there(path: str, server: Served) -> None:
     assert server.ask(path)[0] == 400
 
 
+def children(pid: int) -> set[str]:
+    """The processes that a process began, as Linux lists them."""
+    found: set[str] = set()
+    for status in Path("/proc").glob("[0-9]*/stat"):
+        with contextlib.suppress(OSError):  # it ended meanwhile
+            state, parent = status.read_text().rpartition(")")[2].split()[:2]
+            if parent == str(pid) and state != "Z":
+                found.add(status.parent.name)
+    return found
+
+
+def gone(processes: set[str]) -> None:
+    """Wait until none of these processes runs."""
+    for _ in range(300):
+        if not any(running(each) for each in processes):
+            return
+        time.sleep(0.1)
+    raise AssertionError("a process outlived its server")
+
+
+def running(process: str) -> bool:
+    with contextlib.suppress(OSError):
+        return Path("/proc", process, "stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    return False
+
+
 def test_lines_make_a_lens_and_are_saved_at_once(tmp_path: Path) -> None:
     photo = tmp_path / "facade.jpg"
     shutil.copy(FACADE, photo)
@@ -149,8 +176,11 @@ def test_lines_make_a_lens_and_are_saved_at_once(tmp_path: Path) -> None:
         assert len(told["fit"]["lines"]) == len(LINES)
         server.act(do="remove", line=2)
         before = server.act(do="undo")["lines"]
+        helpers = children(server.process.pid)
         server.process.send_signal(signal.SIGKILL)
         server.process.wait(timeout=30)
+    assert helpers or sys.platform != "linux"
+    gone(helpers)
     with served(photo) as server:
         state = server.state()
         assert state["lines"] == before

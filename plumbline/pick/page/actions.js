@@ -84,9 +84,9 @@ export function createActions({ store, server, picking, size, open }) {
   /** @type {Action[]} */
   const actions = [
     { id: "click", group: "Pick", keys: [" "], text: "Click where the pointer is, or in the middle of the view",
-      run: () => picking.click(toWorld(store.get().view, size(), here()), { alt: false, shift: false }) },
+      run: () => picking.click(toWorld(store.get().view, size(), here()), {}) },
     { id: "add", group: "Pick", keys: ["a"], text: "Add a click there to the selected line (as Shift and a click)",
-      run: () => picking.click(toWorld(store.get().view, size(), here()), { alt: false, shift: true }),
+      run: () => picking.click(toWorld(store.get().view, size(), here()), { add: true }),
       useful: (state) => state.selected !== null },
     { id: "end", group: "Pick", keys: ["Enter"], text: "End a line of free picks (as a double click)",
       run: () => picking.complete(), useful: (state) => state.pending !== null },

@@ -6,6 +6,7 @@ import { sentence } from "./panel.js";
 /** @typedef {import("./store.js").Store} Store */
 /** @typedef {import("./server.js").Server} Server */
 /** @typedef {import("./actions.js").Action} Action */
+/** @typedef {import("./types.js").Facts} Facts */
 
 /**
  * @param {Store} store
@@ -39,7 +40,27 @@ export function createDialogs(store, server) {
     open(heading, text);
   }
 
+  /** Write the lens and the report, and say what was written. */
+  async function finish() {
+    wait("Finish");
+    const told = await server.finish();
+    if (!dialog.open) return;
+    if (!told) return dialog.close();
+    open("The lens is written", make("p", {}, make("b", {}, sentence(told.finding))),
+      make("p", {}, `In ${told.folder} lie now:`),
+      make("ul", {}, ...told.files.map((/** @type {string} */ file) => make("li", {}, make("code", {}, file)))),
+      make("p", {}, "The Hugin project (.pto) opens in Hugin. Copy the LensFun profile (.xml) to ",
+        make("code", {}, told.lensfun), ", and darktable, digiKam and RawTherapee correct photographs with it. "
+        + "The page (.html) is the report."),
+      make("ul", {}, ...told.notes.map((/** @type {string} */ note) => make("li", {}, sentence(note)))),
+      descriptionOf(store.get().facts, async (facts) => {
+        if (await server.act({ do: "describe", ...facts })) await finish();
+      }));
+  }
+
   return {
+    finish,
+
     /** @param {readonly Action[]} actions */
     help(actions) {
       const groups = [...new Set(actions.map((action) => action.group))];
@@ -64,20 +85,29 @@ export function createDialogs(store, server) {
       }), make("p", {}, make("b", {}, `Recommended: ${told.recommended}. `), sentence(told.reason)),
       ...[told.quote, told.beyond, told.centre].filter(Boolean).map((text) => make("p", {}, sentence(text))));
     },
-
-    async finish() {
-      wait("Finish");
-      const told = await server.finish();
-      if (!dialog.open) return;
-      if (!told) return dialog.close();
-      open("The lens is written", make("p", {}, make("b", {}, sentence(told.finding))),
-        make("p", {}, "Files written beside the photo:"),
-        make("ul", {}, ...told.files.map((/** @type {string} */ file) => make("li", {}, make("code", {}, file)))),
-        make("p", {}, "The Hugin project (.pto) opens in Hugin; the LensFun profile (.xml) goes into LensFun's "
-          + "folder (~/.local/share/lensfun) for darktable, digiKam and RawTherapee; the page (.html) is the report."),
-        make("ul", {}, ...told.notes.map((/** @type {string} */ note) => make("li", {}, sentence(note)))));
-    },
   };
+}
+
+/**
+ * A form that says what LensFun is to call the lens.
+ *
+ * @param {Facts} facts
+ * @param {(facts: Facts) => void} take
+ */
+function descriptionOf(facts, take) {
+  /** @type {[keyof Facts, string, boolean][]} */
+  const entries = [["maker", "Maker", false], ["model", "Lens name", false], ["mount", "Mount, as LensFun names it", false],
+    ["focal_mm", "Focal length in mm", true], ["crop_factor", "Crop factor", true]];
+  const inputs = entries.map(([name, , counted]) => make("input", { name, value: String(facts[name] ?? ""),
+    ...(counted ? { type: "number", step: "any", min: "0.01" } : { maxlength: "200" }) }));
+  const form = make("form", { class: "facts" }, make("h3", {}, "What LensFun calls the lens"),
+    ...entries.map(([, label], index) => make("label", {}, `${label} `, inputs[index])), make("button", {}, "Write again"));
+  form.addEventListener("submit", (event) => {
+    event.preventDefault();
+    const [maker, model, mount, focal, crop] = inputs.map((input) => input.value.trim());
+    take({ maker, model, mount, focal_mm: Number(focal) || null, crop_factor: Number(crop) || null });
+  });
+  return form;
 }
 
 /**

@@ -70,22 +70,31 @@ export function listenTo(stage, store, picking) {
       pinched(event.pointerId, p);
       return;
     }
-    if (event.pointerType !== "touch" || held?.mode === "aim") store.set({ pointer: p });
-    if (!held || !down.has(event.pointerId)) return;
-    if (held.mode === "click" && distance(p, held.start) > STILL) held.mode = "pan";
-    if (held.mode === "pan") pan([p[0] - held.last[0], p[1] - held.last[1]]);
-    if (held.mode === "guide") {
+    if (event.pointerType !== "touch" || held?.mode === "aim") {
+      store.set({ pointer: p, hovered: held ? null : picking.offered(world(p), event.altKey) });
+    }
+    if (held && down.has(event.pointerId)) pulled(held, p);
+  });
+
+  /**
+   * @param {NonNullable<typeof held>} what
+   * @param {Point} p
+   */
+  function pulled(what, p) {
+    if (what.mode === "click" && distance(p, what.start) > STILL) what.mode = "pan";
+    if (what.mode === "pan") pan([p[0] - what.last[0], p[1] - what.last[1]]);
+    if (what.mode === "guide") {
       const guide = /** @type {[Point, Point]} */ ([.../** @type {[Point, Point]} */ (store.get().guide)]);
-      guide[held.index] = world(p);
+      guide[what.index] = world(p);
       store.set({ guide });
     }
-    if (held.mode === "drag" && (store.get().dragged || distance(p, held.start) > STILL)) {
+    if (what.mode === "drag" && (store.get().dragged || distance(p, what.start) > STILL)) {
       const place = photoAt(world(p), store.get().photos);
-      if (place) store.set({ selected: held.line, click: held.index,
-        dragged: { line: held.line, index: held.index, to: place.point } });
+      if (place) store.set({ selected: what.line, click: what.index,
+        dragged: { line: what.line, index: what.index, to: place.point } });
     }
-    held.last = p;
-  });
+    what.last = p;
+  }
 
   /**
    * @param {number} id
@@ -125,7 +134,7 @@ export function listenTo(stage, store, picking) {
   stage.addEventListener("pointerup", up);
   stage.addEventListener("pointercancel", up);
   stage.addEventListener("pointerleave", () => {
-    if (!held) store.set({ pointer: null });
+    if (!held) store.set({ pointer: null, hovered: null });
   });
   stage.addEventListener("dblclick", () => void picking.complete());
   stage.addEventListener("contextmenu", (event) => {

@@ -35,7 +35,7 @@ for (const button of document.querySelectorAll("button[data-action]")) {
   button.addEventListener("click", () => action.run(action.keys[0]));
   store.subscribe((state) => {
     button.disabled = Boolean(action.useful && !action.useful(state));
-    const shown = /** @type {Record<string, boolean>} */ (state.show)[action.id];
+    const shown = /** @type {Record<string, boolean>} */ ({ ...state.show, free: state.free })[action.id];
     if (shown !== undefined) button.setAttribute("aria-pressed", String(shown));
   });
 }

@@ -19,7 +19,8 @@ export function paint(pen, state) {
   }
   if (state.show.proposals) {
     for (const each of state.proposals) {
-      trail(pen, each.photo, each.points, COLOURS.proposal, 1.5, [5, 4]);
+      const meant = each.number === state.hovered;
+      trail(pen, each.photo, each.points, COLOURS.proposal, meant ? 3 : 1.5, meant ? [] : [5, 4]);
     }
   }
   if (state.show.next && state.judgement.next && !state.pending) paintNext(pen, state);

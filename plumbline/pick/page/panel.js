@@ -48,7 +48,7 @@ function showFit({ fit, settings }) {
   const failed = Boolean(fit.failure);
   const [finding, straight] = (fit.finding ?? "").split("; ");
   find("finding", HTMLElement).textContent = failed ? sentence(fit.failure) : finding;
-  find("straight", HTMLElement).textContent = failed ? sentence(fit.hint) : straight ?? "";
+  find("straight", HTMLElement).textContent = sentence(failed ? fit.hint : straight ?? "");
   find("quote", HTMLElement).textContent = failed ? "" : fit.quote ?? "";
   find("sigma", HTMLElement).textContent = failed || fit.sigma_px === undefined ? "" : px(fit.sigma_px);
   find("numbers", HTMLElement).hidden = failed;
@@ -96,8 +96,9 @@ function showJudgement({ judgement, fit, settings }) {
   const { suspects = [], checks = [], next, goal } = judgement;
   find("suspects", HTMLElement).replaceChildren(...suspects.map((suspect) =>
     make("li", { class: "wrong" }, `✗ ${sentence(suspect.text)}`)));
-  find("checks", HTMLElement).replaceChildren(...checks.filter((check) => !check.good)
-    .map((check) => make("li", {}, `? ${sentence(check.text)}`)));
+  const doubts = fit.failure ? [] : checks.filter((check) => !check.good);
+  find("mind", HTMLElement).hidden = !doubts.length;
+  find("checks", HTMLElement).replaceChildren(...doubts.map((check) => make("li", {}, `? ${sentence(check.text)}`)));
   find("next", HTMLElement).textContent = next && !fit.failure ? sentence(next.text) : "";
   const meter = find("progress", HTMLProgressElement);
   meter.value = goal && !fit.failure ? goal.share : 0;

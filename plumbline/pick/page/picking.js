@@ -1,7 +1,7 @@
 /** @file What clicks and drags on the photo mean: picking, selecting, extending, moving. */
 
 import { photoAt } from "./camera.js";
-import { continues, distance, distanceTo, inOrder } from "./geometry.js";
+import { continues, distance, distanceTo, ends, inOrder } from "./geometry.js";
 
 /** @typedef {import("./types.js").State} State */
 /** @typedef {import("./types.js").Point} Point */
@@ -11,6 +11,7 @@ import { continues, distance, distanceTo, inOrder } from "./geometry.js";
 /** @typedef {{photo: number, point: Point}} Place */
 
 const NEAR = 8; // screen pixels within which something is meant
+const ON = 5; // screen pixels within which a proposal is meant, fewer so that one can pick beside it
 const TWICE = 3; // screen pixels within which a click is the second of a double click
 const SLACK = 14; // screen pixels off its way that still continue a line that was clicked
 const BEYOND = 24; // screen pixels beyond its end from which a line goes on without being clicked
@@ -32,11 +33,21 @@ export function createPicking(store, server) {
     return near.sort((a, b) => a.away - b.away)[0]?.line ?? null;
   }
 
-  /** @param {Place} place */
-  function proposalAt({ photo, point }) {
-    const { proposals, show } = store.get();
-    return show.proposals ? proposals.find((each) => each.photo === photo
-      && distanceTo(point, each.points) <= inPhoto(NEAR)) ?? null : null;
+  /**
+   * The proposal that a click would answer: none where it would do something to a line.
+   *
+   * @param {Place} place
+   * @param {boolean} free
+   */
+  function proposalAt(place, free) {
+    const { proposals, show, selected, lines } = store.get();
+    const { photo, point } = place;
+    const chosen = lines.find((line) => line.number === selected && line.photo === photo);
+    if (free || clickAt(place) || lineAt(place) || (chosen && goesOn(chosen, place))) return null;
+    const near = (show.proposals ? proposals : []).filter((each) => each.photo === photo)
+      .map((each) => ({ each, away: distanceTo(point, each.points) }))
+      .filter(({ away }) => away <= inPhoto(ON));
+    return near.sort((a, b) => a.away - b.away)[0]?.each ?? null;
   }
 
   /**
@@ -61,20 +72,39 @@ export function createPicking(store, server) {
    *
    * @param {Place} place
    * @param {boolean} free
-   * @param {boolean} rejecting
    */
-  async function beginAt(place, free, rejecting) {
+  function beginAt(place, free) {
     const handle = clickAt(place);
     const on = handle?.line ?? lineAt(place)?.number ?? null;
-    const proposal = on === null ? proposalAt(place) : null;
-    if (proposal) {
-      await server.act(rejecting ? { do: "reject", proposal: proposal.number }
-        : { do: "accept", proposals: [proposal.number] });
-      return;
-    }
     const snap = store.get().snapping && !free;
     store.set({ pending: { photo: place.photo, clicks: [place.point], snap, on }, selected: on,
       click: handle?.index ?? null, reason: null });
+  }
+
+  /**
+   * Take a proposal, or reject it.
+   *
+   * @param {number} proposal
+   * @param {Place} place
+   * @param {boolean} rejecting
+   */
+  async function answer(proposal, { point }, rejecting) {
+    const told = await server.act(rejecting ? { do: "reject", proposal } : { do: "accept", proposals: [proposal] });
+    store.set({ hovered: null, taken: told && !rejecting ? { line: told.selected, at: point } : null });
+  }
+
+  /**
+   * Whether a click is the second of somebody who clicks both ends of an edge, of which the first
+   * took the edge as it was proposed.
+   *
+   * @param {Line} line
+   * @param {Place} place
+   * @param {State["taken"]} taken
+   */
+  function repeats(line, { point }, taken) {
+    if (taken?.line !== line.number) return false;
+    const far = distance(point, taken.at) > distance(...ends(line.points)) / 2;
+    return far && distanceTo(point, inOrder(line.points)) <= inPhoto(SLACK);
   }
 
   /**
@@ -113,6 +143,21 @@ export function createPicking(store, server) {
     if (snap && clicks.length >= 2) await complete();
   }
 
+  /**
+   * The next click of a line that is being drawn, or of the line that its first click fell on.
+   *
+   * @param {import("./types.js").Pending} pending
+   * @param {Line | undefined} chosen
+   * @param {Place} place
+   * @param {boolean} free
+   */
+  async function goOnOrExtend(pending, chosen, place, free) {
+    const onIt = chosen && pending.clicks.length === 1 && pending.on === chosen.number;
+    if (!onIt || !continues(place.point, chosen.points, inPhoto(SLACK))) return goOn(place, free);
+    store.set({ pending: null });
+    await extend(chosen, place);
+  }
+
   /** Give the line that is being drawn to the server. */
   async function complete() {
     const { pending } = store.get();
@@ -132,10 +177,23 @@ export function createPicking(store, server) {
     clickAt,
 
     /**
+     * The number of the proposal that a click would take.
+     *
      * @param {Point} world
-     * @param {{alt: boolean, shift: boolean}} keys
+     * @param {boolean} alt
      */
-    async click(world, { alt, shift }) {
+    offered(world, alt) {
+      const state = store.get();
+      const place = photoAt(world, state.photos);
+      if (!place || state.pending || state.show.corrected) return null;
+      return proposalAt(place, alt !== state.free)?.number ?? null;
+    },
+
+    /**
+     * @param {Point} world
+     * @param {{alt?: boolean, shift?: boolean, add?: boolean}} how Add: to the selected line, whatever is there.
+     */
+    async click(world, { alt = false, shift = false, add = false }) {
       const state = store.get();
       const place = photoAt(world, state.photos);
       const free = alt !== state.free;
@@ -144,17 +202,12 @@ export function createPicking(store, server) {
         return;
       }
       const chosen = state.lines.find((line) => line.number === state.selected && line.photo === place.photo);
-      const { pending } = state;
-      if (pending) {
-        const onIt = chosen && pending.clicks.length === 1 && pending.on === chosen.number;
-        if (!onIt || !continues(place.point, chosen.points, inPhoto(SLACK))) return goOn(place, free);
-        store.set({ pending: null });
-        await extend(chosen, place);
-      } else if (chosen && (shift || goesOn(chosen, place))) {
-        await extend(chosen, place);
-      } else {
-        await beginAt(place, free, shift);
-      }
+      store.set({ taken: null });
+      if (state.pending) return goOnOrExtend(state.pending, chosen, place, free);
+      const proposal = add ? null : proposalAt(place, free);
+      if (proposal) return answer(proposal.number, place, shift);
+      if (chosen && (shift || add || goesOn(chosen, place))) return extend(chosen, place);
+      if (!chosen || !repeats(chosen, place, state.taken)) beginAt(place, free);
     },
 
     /**

@@ -25,9 +25,9 @@ function pageName() {
  * @param {Store} store
  */
 function taken(told, store) {
-  const { lines, settings, undo, redo, fit, unsaved, revision, proposals } = told;
+  const { lines, settings, undo, redo, fit, unsaved, revision, proposals, facts } = told;
   store.set({ lines, settings: { free: null, goal_px: 0.5, model: "ptlens", ...settings },
-    undo, redo, fit, unsaved, revision, proposals });
+    undo, redo, fit, unsaved, revision, proposals, facts });
 }
 
 /**
@@ -97,7 +97,7 @@ export function createServer(store) {
       });
       taken(told, store);
       store.set({ photos, file: told.file, snapping: told.snapping, models: told.models,
-        judgement: told.judgement, ready: told.ready, progress: told.notes[0] ?? "" });
+        judgement: told.judgement, ready: told.ready, trouble: told.trouble, progress: told.notes[0] ?? "" });
       listen(store);
     },
 
@@ -112,7 +112,8 @@ export function createServer(store) {
         taken(told, store);
         const [x, y] = store.get().pointer ?? [40, 40];
         store.set({ selected: told.selected ?? store.get().selected,
-          reason: told.refusal ? { text: told.refusal, x, y } : null, online: true });
+          reason: told.refusal || told.doubt ? { text: told.refusal || `${told.doubt}: Tab takes it`, x, y } : null,
+          online: true });
         return told;
       });
     },
@@ -135,10 +136,9 @@ function listen(store) {
     }],
     ["holder", (told) => store.set({ holds: told === PAGE })],
     ["unsaved", (told) => store.set({ unsaved: told })],
-    ["photos", (told) => store.set({ photosChanged: told })],
+    ["trouble", (told) => store.set({ trouble: told })],
     ["progress", (told) => store.set({ progress: told })],
     ["ready", () => store.set({ ready: true })],
-    ["failure", (told) => store.set({ photosChanged: told })],
   ];
   for (const [name, hear] of heard) {
     events.addEventListener(name, (event) => hear(JSON.parse(event.data)));

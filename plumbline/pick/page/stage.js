@@ -48,7 +48,7 @@ export function createStage(store) {
     photoStale = overlayStale = false;
     const { x, y, scale } = state.view;
     Object.assign(stage.dataset, { drawn: String(state.revision), view: `${x} ${y} ${scale}`,
-      ready: state.ready ? "yes" : "no", judged: String(state.judgement.revision ?? "") });
+      ready: state.ready ? "yes" : "no", proposed: String(state.proposals.length), judged: String(state.judgement.revision ?? "") });
     stage.dataset.settled = String(tiles.settled);
   }
 

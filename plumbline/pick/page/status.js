@@ -24,9 +24,15 @@ export function createStatus(store, server) {
     banner.replaceChildren(...bannerOf(state, take));
     banner.hidden = !banner.childNodes.length;
     stage.classList.toggle("waiting", state.waiting > 0);
+    stage.classList.toggle("taking", state.hovered !== null);
     find("mode", HTMLElement).textContent = modeOf(state);
-    if (state.revision !== before.revision) spoken.textContent = speak(state);
+    if (state.lines !== before.lines || state.fit !== before.fit) say(speak(state));
   });
+
+  /** @param {string} text A screen reader reads it again only where it changes. */
+  function say(text) {
+    if (spoken.textContent !== text) spoken.textContent = text;
+  }
 
   /** @param {State} state */
   function showReason({ reason: told }) {
@@ -48,13 +54,14 @@ function bannerOf(state, take) {
   if (!state.online) return ["plumbline does not answer: it was stopped. What was picked is saved; start it again."];
   if (!state.holds) return ["These picks are open on another page. ", take];
   if (state.unsaved) return [sentence(state.unsaved)];
-  if (state.photosChanged) return [sentence(state.photosChanged)];
+  if (state.trouble) return [sentence(state.trouble)];
   return [];
 }
 
 /** @param {State} state */
 function modeOf(state) {
   if (state.show.corrected) return "corrected photo: C goes back to picking";
+  if (state.hovered !== null) return "click takes this edge; Shift and a click rejects it";
   if (!state.pending) return state.snapping && !state.free ? "click near one end of an edge" : "free picks: click along an edge";
   if (state.pending.snap) return "click near its other end";
   return `${state.pending.clicks.length} picks: Enter ends the line`;

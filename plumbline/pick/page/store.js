@@ -7,8 +7,8 @@ const EMPTY = {
   photos: [], file: "", snapping: false, models: [], lines: [], proposals: [],
   settings: { model: "ptlens", free: null, goal_px: 0.5 },
   undo: "", redo: "", fit: { failure: "", hint: "" }, judgement: {}, revision: 0, unsaved: "",
-  photosChanged: "", progress: "", ready: false, online: true, holds: true, waiting: 0,
-  selected: null, click: null, dragged: null, pending: null, pointer: null, free: false,
+  trouble: "", facts: { maker: "", model: "", mount: "", focal_mm: null, crop_factor: null }, progress: "", ready: false, online: true, holds: true, waiting: 0,
+  selected: null, click: null, dragged: null, hovered: null, taken: null, pending: null, pointer: null, free: false,
   view: { x: 0, y: 0, scale: 1 },
   show: {
     residuals: true, map: false, corrected: false, loupe: true, strip: true, proposals: true,

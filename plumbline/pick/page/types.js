@@ -80,6 +80,15 @@
 /** @typedef {{number: number, photo: number, points: Point[]}} Proposal */
 
 /**
+ * @typedef {object} Facts What LensFun calls the lens by.
+ * @property {string} maker
+ * @property {string} model
+ * @property {string} mount
+ * @property {number | null} focal_mm
+ * @property {number | null} crop_factor
+ */
+
+/**
  * @typedef {object} Pending A line that is being clicked.
  * @property {number} photo
  * @property {Point[]} clicks
@@ -106,7 +115,8 @@
  * @property {Judgement} judgement
  * @property {number} revision
  * @property {string} unsaved
- * @property {string} photosChanged
+ * @property {string} trouble What is wrong with the photos.
+ * @property {Facts} facts
  * @property {string} progress
  * @property {boolean} ready Whether the server has its programs compiled.
  * @property {boolean} online
@@ -115,6 +125,8 @@
  * @property {number | null} selected
  * @property {number | null} click Which click of the selected line is selected.
  * @property {{line: number, index: number, to: Point} | null} dragged
+ * @property {number | null} hovered The proposal that a click would take.
+ * @property {{line: number, at: Point} | null} taken The proposal that the last click took, now a line.
  * @property {Pending | null} pending
  * @property {Point | null} pointer On the stage, in screen pixels.
  * @property {boolean} free Whether clicks are free picks although edges could be traced.
