@@ -11,7 +11,10 @@ import msgspec
 
 from plumbline.errors import OptionError, ReadError
 from plumbline.files import is_same, read_bytes
+from plumbline.formats.base import Source
+from plumbline.formats.known import FORMATS
 from plumbline.frame import Frame
+from plumbline.photos.exif import read_photo
 from plumbline.pick.document import FORMAT, VERSION, Document, PhotoRecord
 from plumbline.pick.observing import known_of, with_points
 from plumbline.pick.photos import LoadedPhoto, is_photo
@@ -42,6 +45,7 @@ def open_session(sources: Sequence[str], labels: Mapping[str, Any]) -> Session:
     photos = [LoadedPhoto(path) for path in paths if not path.exists() or is_photo(path)]
     points = [path for path in paths if path.exists() and not is_photo(path)]
     if not photos:
+        _refuse_unreadable(points)
         raise OptionError(
             f"none of the files is a photo: {listed(list(sources))}",
             hint="name the photo that the points were picked in, as in plumbline pick "
@@ -58,6 +62,16 @@ def open_session(sources: Sequence[str], labels: Mapping[str, Any]) -> Session:
         keeper.close()
         raise
     return Session(document, photos, keeper, Tracer(photos), notes)
+
+
+def _refuse_unreadable(paths: Sequence[Path]) -> None:
+    """Refuse files that hold neither points nor a photo: they were meant as photos."""
+    for path in paths:
+        known = path.is_file() and any(
+            each.recognises(Source(str(path), read_bytes(path))) for each in FORMATS.values()
+        )
+        if not known:
+            read_photo(path)
 
 
 def _refuse_many(photos: Sequence[LoadedPhoto], points: Sequence[Path]) -> None:

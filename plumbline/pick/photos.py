@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import threading
+import warnings
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -181,7 +182,7 @@ class LoadedPhoto:
 def is_photo(path: Path) -> bool:
     """Whether Pillow takes a file for a picture."""
     try:
-        with Image.open(path):
+        with warnings.catch_warnings(action="ignore"), Image.open(path):
             return True
     except (OSError, ValueError, SyntaxError, Image.DecompressionBombError):
         return False

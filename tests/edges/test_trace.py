@@ -111,6 +111,10 @@ def test_an_edge_that_forks_is_ambiguous() -> None:
     light = 0.2 + 0.3 * step(y - edge_y(x) - apart) + 0.3 * step(y - edge_y(x) + apart)
     traced = trace(light.astype(np.float32), picks(), scatter_px=3)
     assert "either may be meant" in traced.refusal
+    chosen = trace(light.astype(np.float32), picks(), scatter_px=3, choosing=True)
+    assert chosen.found
+    assert "either may be meant" in chosen.doubt
+    assert chosen.rivals
 
 
 def test_few_samples_say_what_many_said() -> None:

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from plumbline.errors import OptionError
+from plumbline.observations.facts import LensFacts
 from plumbline.pick import requests
 from plumbline.pick.document import FORMAT, VERSION, Document, PhotoRecord, PickedLine, Proposal
 from plumbline.pick.editing import Editor, Traced
@@ -108,12 +109,12 @@ def test_what_is_not_there_is_refused(request_: requests.Request) -> None:
         FREE.edited(EMPTY, request_, None)
 
 
-def traced(points: int, *, refusal: str = "", rivals: int = 0) -> Editor:
+def traced(points: int, *, refusal: str = "", rivals: int = 0, doubt: str = "") -> Editor:
     def tracer(photo: int, clicks: object, lens: object, rival: int) -> Traced:
         if refusal:
             return Traced(refusal=refusal)
         samples = tuple((10.0 + x, 20.0 + rival) for x in range(points))
-        return Traced(samples, (0.1,) * points, rivals)
+        return Traced(samples, (0.1,) * points, rivals, doubt=doubt)
 
     return Editor(tracer)
 
@@ -140,6 +141,24 @@ def test_a_refused_edge_changes_nothing_and_says_why() -> None:
     edited = traced(0, refusal="there is no edge").edited(EMPTY, request, None)
     assert edited.document is EMPTY
     assert edited.refusal == "there is no edge"
+
+
+def test_an_edge_that_is_one_of_two_is_taken_with_a_word() -> None:
+    request = requests.Draw(0, ((10.0, 21.0), (17.0, 19.0)), snap=True)
+    edited = traced(8, rivals=1, doubt="another is as good").edited(EMPTY, request, None)
+    assert edited.document.line(1).rivals == 1
+    assert edited.doubt == "another is as good"
+    assert not edited.refusal
+
+
+def test_facts_of_the_lens_are_the_users() -> None:
+    known = LensFacts(maker="Canon", crop_factor=1.6, crop_factor_error=0.02)
+    document = msgspec.structs.replace(EMPTY, facts=known)
+    for crop, error in ((1.6, 0.02), (1.61, None)):
+        said = requests.Describe("Canon", "EF 50mm", "Canon EF", 50.0, crop)
+        facts = FREE.edited(document, said, None).document.facts
+        assert (facts.model, facts.mount, facts.focal_mm) == ("EF 50mm", "Canon EF", 50.0)
+        assert (facts.crop_factor, facts.crop_factor_error) == (crop, error)
 
 
 def test_a_traced_line_with_one_click_left_is_deleted() -> None:

@@ -17,6 +17,7 @@ from typing import Any
 
 import msgspec
 import pytest
+from PIL import Image
 
 import plumbline
 from tests.pick.served import FACADE, ROOT, Served, bent_lines, photo_file, served
@@ -272,6 +273,7 @@ def test_bad_calls(tmp_path: Path) -> None:
     other = photo_file(tmp_path / "b.png", (500, 400))
     (tmp_path / "picks.csv").write_text("line,x,y\n1,1,1\n1,2,2\n1,700,3\n")
     assert "no such photo" in error_of(tmp_path / "missing.jpg")
+    assert "not a picture that can be read" in error_of(tmp_path / "none.jpg")
     assert "none of the files is a photo" in error_of(tmp_path / "picks.csv")
     assert "not photos of one lens" in error_of(photo, other)
     assert "lies outside" in error_of(photo, tmp_path / "picks.csv")
@@ -317,3 +319,35 @@ def test_a_photo_that_vanishes_keeps_its_page(tmp_path: Path) -> None:
         assert server.ask("tiles/0/1/0/0")[0] == 200
         told = server.act(do="draw", photo=0, clicks=[[1, 1], [2, 2]], snap=False)
         assert len(told["lines"]) == 1
+
+
+def test_a_photo_that_is_cut_short_is_said_to_pages_that_open_later(tmp_path: Path) -> None:
+    photo = photo_file(tmp_path / "a.jpg", (1200, 800))
+    photo.write_bytes(photo.read_bytes()[:-4000])
+    with served(photo) as server:
+        assert server.ask("tiles/0/0/0/0")[0] == 400  # answered once it is decoded, or cannot be
+        assert "cut short" in told_of(server)
+
+
+def test_another_photo_under_the_same_name_is_told(tmp_path: Path) -> None:
+    photo = photo_file(tmp_path / "a.png")
+    picks = tmp_path / "a.plumbline.json"
+    with served(photo) as server:
+        server.ask("tiles/0/0/0/0")
+        for _ in range(100):
+            if msgspec.json.decode(picks.read_bytes())["photos"][0]["sha256"]:
+                break
+            time.sleep(0.1)
+        Image.effect_noise((600, 400), 50).save(photo)
+        assert "was changed after it was opened" in told_of(server)
+    with served(photo) as server:
+        assert "changed since the picks were made" in told_of(server)
+
+
+def told_of(server: Served) -> str:
+    """What a page that opens is told of the photos, once something is."""
+    for _ in range(100):
+        if trouble := server.state()["trouble"]:
+            return trouble
+        time.sleep(0.1)
+    raise AssertionError("nothing is told")

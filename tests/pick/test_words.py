@@ -7,9 +7,9 @@ import re
 from collections.abc import Iterator
 
 import pytest
-from tests.pick.served import ROOT
 
 from plumbline.pick.words import on_page
+from tests.pick.served import ROOT
 
 OPTION = re.compile(r"(?<![\w-])--[a-z]")
 ROOMS = ("fit", "formats", "geometry", "photos", "report", "result", "trust", "writing")

@@ -17,6 +17,10 @@ export function createDialogs(store, server) {
   const body = find("sheet-body", HTMLElement);
   const title = find("sheet-title", HTMLElement);
   find("sheet-close", HTMLButtonElement).addEventListener("click", () => dialog.close());
+  const progress = make("p", { role: "status" });
+  store.subscribe((state) => {
+    progress.textContent = state.progress || "Working…";
+  });
   dialog.addEventListener("click", (event) => {
     if (event.target === dialog) dialog.close();
   });
@@ -33,18 +37,14 @@ export function createDialogs(store, server) {
 
   /** @param {string} heading What is waited for; its progress comes from the server. */
   function wait(heading) {
-    const text = make("p", { role: "status" }, "Working…");
-    store.subscribe((state) => {
-      if (text.isConnected) text.textContent = state.progress || "Working…";
-    });
-    open(heading, text);
+    store.set({ progress: "" });
+    open(heading, progress);
   }
 
   /** Write the lens and the report, and say what was written. */
   async function finish() {
     wait("Finish");
     const told = await server.finish();
-    if (!dialog.open) return;
     if (!told) return dialog.close();
     open("The lens is written", make("p", {}, make("b", {}, sentence(told.finding))),
       make("p", {}, `In ${told.folder} lie now:`),

@@ -97,7 +97,8 @@ export function createServer(store) {
       });
       taken(told, store);
       store.set({ photos, file: told.file, snapping: told.snapping, models: told.models,
-        judgement: told.judgement, ready: told.ready, trouble: told.trouble, progress: told.notes[0] ?? "" });
+        judgement: told.judgement, ready: told.ready, trouble: told.trouble,
+        reason: told.notes.length ? { text: told.notes.join("; "), x: 0, y: 0 } : null });
       listen(store);
     },
 
