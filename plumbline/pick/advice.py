@@ -35,13 +35,27 @@ def judgement(fitted: Fitted, document: Document) -> dict[str, Any]:
         "hint": "",
         "suspects": _suspects(calibration, document),
         "checks": [
-            {"good": check.passed and not check.doubtful, "text": on_page(check.sentence)}
-            for check in calibration.checks
+            *_mixed(document),
+            *(
+                {"good": check.passed and not check.doubtful, "text": on_page(check.sentence)}
+                for check in calibration.checks
+            ),
         ],
         "map": _map(calibration),
         "next": _next(calibration),
         "goal": _goal(calibration, goal_px),
     }
+
+
+def _mixed(document: Document) -> list[dict[str, Any]]:
+    """That the fit trusts picks of the hand as much as samples of edges, where there are both."""
+    if len({line.snapped for line in fitted_lines(document)}) < 2:
+        return []
+    text = (
+        "free picks count as much as the samples of traced edges, which are far more precise: pick "
+        "freely only where no edge is found"
+    )
+    return [{"good": False, "text": text}]
 
 
 def _suspects(calibration: Calibration, document: Document) -> list[dict[str, Any]]:

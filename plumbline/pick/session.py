@@ -70,7 +70,9 @@ class Session:
         self._finder = Finder()
         self._found_lens: Lens | None = None
         self._guide: Future[Lens | None] | None = None
+        # An action waits for the guide, and mending for the action: never in one queue.
         self._guesser = ThreadPoolExecutor(1, "guide")
+        self._mender = ThreadPoolExecutor(1, "mend")
         self._judge = Judge(self._judged)
         self._stopped = threading.Event()
 
@@ -90,6 +92,7 @@ class Session:
                 self._save(self.document)
         self._saver.shutdown(wait=True)
         self._guesser.shutdown(wait=False)
+        self._mender.shutdown(wait=False, cancel_futures=True)
         self.keeper.close()
 
     @property
@@ -110,7 +113,7 @@ class Session:
             if edited.document is not self.document:
                 saving = self._take(edited.document)
                 if not isinstance(request, requests.Undo | requests.Redo):
-                    self._guesser.submit(self._mend, self._revision)
+                    self._mender.submit(self._mend, self._revision)
             if saving is not None:
                 saving.result()
             return self.state() | {
@@ -205,8 +208,7 @@ class Session:
         for number, photo in enumerate(self.photos):
             photo.picked_sha256 = self.document.photos[number].sha256
             photo.load()
-            if photo.sha256 and not photo.picked_sha256:
-                self._know(number, photo.sha256)
+        self._know()
         self._look_at_photos()
         if self._editor.tracer is None:
             return
@@ -214,13 +216,16 @@ class Session:
             if photo.failure is None:
                 self._propose(number, photo)
 
-    def _know(self, number: int, sha256: str) -> None:
-        """Keep which bytes are picked in."""
+    def _know(self) -> None:
+        """Keep which bytes are picked in, from the first time on."""
         with self._lock:
-            photos = list(self.document.photos)
-            photos[number] = msgspec.structs.replace(photos[number], sha256=sha256)
-            self.document = msgspec.structs.replace(self.document, photos=tuple(photos))
-            self._saver.submit(self._save, self.document)
+            records = tuple(
+                record if record.sha256 else msgspec.structs.replace(record, sha256=photo.sha256)
+                for record, photo in zip(self.document.photos, self.photos, strict=True)
+            )
+            if records != self.document.photos:
+                self.document = msgspec.structs.replace(self.document, photos=records)
+                self._saver.submit(self._save, self.document)
 
     def _propose(self, number: int, photo: LoadedPhoto) -> None:
         first = len(self._editor.proposals)

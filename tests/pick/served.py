@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import subprocess
 import sys
 from collections.abc import Generator, Sequence
@@ -56,11 +57,10 @@ class Served:
                 connection.putheader(name, value)
         if content is not None:
             connection.putheader("Content-Length", str(len(content)))
-        connection.endheaders(content)
-        answer = connection.getresponse()
-        found = answer.status, {k.lower(): v for k, v in answer.getheaders()}, answer.read()
-        connection.close()
-        return found
+        with contextlib.closing(connection):
+            connection.endheaders(content)
+            answer = connection.getresponse()
+            return answer.status, {k.lower(): v for k, v in answer.getheaders()}, answer.read()
 
     def act(self, page: str = "test", **action: Any) -> Any:
         """Ask for an action; the answer."""

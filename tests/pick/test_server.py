@@ -191,6 +191,18 @@ def test_lines_make_a_lens_and_are_saved_at_once(tmp_path: Path) -> None:
         assert state["lines"] == []
 
 
+def test_actions_in_quick_succession_never_wait_for_each_other(tmp_path: Path) -> None:
+    with served(photo_file(tmp_path / "a.png", (2256, 1504))) as server:
+        for clicks in LINES:
+            server.act(do="draw", photo=0, clicks=clicks, snap=False)
+        for _ in range(3):
+            for number in range(1, len(LINES) + 1):
+                server.act(do="remove", line=number)
+            for _ in LINES:
+                state = server.act(do="undo")
+    assert len(state["lines"]) == len(LINES)
+
+
 def test_the_background_says_what_is_suspicious_and_where_to_pick_next(tmp_path: Path) -> None:
     photo = tmp_path / "facade.jpg"
     shutil.copy(FACADE, photo)
