@@ -35,16 +35,22 @@ def judgement(fitted: Fitted, document: Document) -> dict[str, Any]:
         "hint": "",
         "suspects": _suspects(calibration, document),
         "checks": [
+            *_doubt(calibration),
             *_mixed(document),
             *(
                 {"good": check.passed and not check.doubtful, "text": on_page(check.sentence)}
                 for check in calibration.checks
             ),
         ],
+        "quote": _quote(calibration),
         "map": _map(calibration),
         "next": _next(calibration),
         "goal": _goal(calibration, goal_px),
     }
+
+
+def _doubt(calibration: Calibration) -> list[dict[str, Any]]:
+    return [{"good": False, "text": on_page(calibration.doubt)}] if calibration.doubt else []
 
 
 def _mixed(document: Document) -> list[dict[str, Any]]:
@@ -72,6 +78,14 @@ def _suspects(calibration: Calibration, document: Document) -> list[dict[str, An
         }
         for suspect in calibration.suspects
     ]
+
+
+def _quote(calibration: Calibration) -> str:
+    """The error to quote: it costs more than the fit, so that no click waits for it."""
+    sure = calibration.quoted_displacement
+    if sure is None:
+        return "the model folds inside the photo"
+    return f"± {px(sure.worst_px)} {sure.worst_place}"
 
 
 def _map(calibration: Calibration) -> dict[str, Any] | None:

@@ -76,7 +76,6 @@ def finished(session: Session, draw: Drawing) -> dict[str, Any]:
         raise
     return {
         "finding": finding_sentence(calibration),
-        "folder": printable(str(photo.absolute().parent)),
         "files": [printable(path.name) for path in written],
         "lensfun": _LENSFUN_FOLDER,
         "notes": [on_page(note) for note in (*notes, *more, *unseen, *calibration.notes)],

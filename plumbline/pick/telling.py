@@ -14,9 +14,8 @@ from plumbline.pick.live import Fitted
 from plumbline.pick.observing import fitted_lines
 from plumbline.pick.words import on_page
 from plumbline.result.calibration import Calibration
-from plumbline.result.sentence import finding_sentence
+from plumbline.result.sentence import measured_sentence
 from plumbline.trust.linearised import in_frame
-from plumbline.wording import px
 
 _CURVE = 24
 """Points of a fitted line as it is drawn; between them it is straight to 0.1 px of a screen."""
@@ -32,11 +31,10 @@ def told(fitted: Fitted, document: Document) -> dict[str, Any]:
     calibration = fitted.calibration
     if calibration is None:
         return {"failure": on_page(fitted.failure), "hint": on_page(fitted.hint)}
-    sure = calibration.quoted_displacement
     return {
         "failure": "" if calibration.converged else on_page(calibration.reason),
         "hint": "",
-        "finding": finding_sentence(calibration),
+        "finding": measured_sentence(calibration),
         "model": calibration.model,
         "coefficients": [
             {"name": name, "value": value, "error": calibration.standard_errors.get(name)}
@@ -45,10 +43,6 @@ def told(fitted: Fitted, document: Document) -> dict[str, Any]:
         "sigma_px": calibration.sigma_px,
         "rms_px": calibration.rms_after_px,
         "dof": calibration.dof,
-        "quote_px": None if sure is None else sure.worst_px,
-        "quote": "the model folds inside the photo"
-        if sure is None
-        else f"± {px(sure.worst_px)} {sure.worst_place}",
         "corner_px": calibration.finding.corner_px,
         "lines": _lines(calibration, [line.number for line in fitted_lines(document)]),
         "radial": radial(calibration),

@@ -16,7 +16,13 @@ _KINDS = {
 
 
 def finding_sentence(calibration: Calibration) -> str:
-    """The finding in one line: kind and size of the distortion, straightness before and after."""
+    """The finding in one line: kind and size of the distortion, straightness, and any doubt."""
+    doubt = calibration.doubt
+    return measured_sentence(calibration) + (f"; {doubt}" if doubt else "")
+
+
+def measured_sentence(calibration: Calibration) -> str:
+    """The finding without what costs more than the fit: whether the model is to be trusted."""
     finding = calibration.finding
     place = "at the corner"
     if finding.folds_at_px is not None:
@@ -29,5 +35,4 @@ def finding_sentence(calibration: Calibration) -> str:
         f"{_KINDS[finding.kind]}{'' if finding.kind == 'none' else size}; "
         f"{strays} by {calibration.rms_before_px:.2f} px (rms) before, "
         f"{calibration.rms_after_px:.2f} px after{f'; {doubt}' if doubt else ''}"
-        f"{f'; {calibration.doubt}' if calibration.doubt else ''}"
     )

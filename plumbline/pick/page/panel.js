@@ -49,7 +49,6 @@ function showFit({ fit, settings }) {
   const [finding, straight] = (fit.finding ?? "").split("; ");
   find("finding", HTMLElement).textContent = failed ? sentence(fit.failure) : finding;
   find("straight", HTMLElement).textContent = sentence(failed ? fit.hint : straight ?? "");
-  find("quote", HTMLElement).textContent = failed ? "" : fit.quote ?? "";
   find("sigma", HTMLElement).textContent = failed || fit.sigma_px === undefined ? "" : px(fit.sigma_px);
   find("numbers", HTMLElement).hidden = failed;
   const freed = settings.free;
@@ -92,10 +91,13 @@ function showLines({ lines, fit, selected, judgement }) {
 }
 
 /** @param {State} state */
-function showJudgement({ judgement, fit, settings }) {
+function showJudgement({ judgement, fit, settings, revision }) {
   const { suspects = [], checks = [], next, goal } = judgement;
   find("suspects", HTMLElement).replaceChildren(...suspects.map((suspect) =>
     make("li", { class: "wrong" }, `✗ ${sentence(suspect.text)}`)));
+  const quote = find("quote", HTMLElement);
+  quote.textContent = fit.failure ? "" : judgement.quote ?? "…";
+  quote.classList.toggle("muted", judgement.revision !== revision); // of the lines before
   const doubts = fit.failure ? [] : checks.filter((check) => !check.good);
   find("mind", HTMLElement).hidden = !doubts.length;
   find("checks", HTMLElement).replaceChildren(...doubts.map((check) => make("li", {}, `? ${sentence(check.text)}`)));

@@ -26,7 +26,7 @@ export function createStatus(store, server) {
     stage.classList.toggle("waiting", state.waiting > 0);
     stage.classList.toggle("taking", state.hovered !== null);
     find("mode", HTMLElement).textContent = modeOf(state);
-    if (state.lines !== before.lines || state.fit !== before.fit) say(speak(state));
+    if (state.lines !== before.lines || state.fit !== before.fit || state.judgement !== before.judgement) say(speak(state));
   });
 
   /** @param {string} text A screen reader reads it again only where it changes. */
@@ -68,7 +68,8 @@ function modeOf(state) {
 }
 
 /** @param {State} state */
-function speak({ lines, fit }) {
+function speak({ lines, fit, judgement, revision }) {
   const count = `${lines.length} line${lines.length === 1 ? "" : "s"}`;
-  return fit.failure ? `${count}. ${fit.failure}` : `${count}. ${fit.finding}. Error ${fit.quote}`;
+  if (fit.failure) return `${count}. ${fit.failure}`;
+  return `${count}. ${fit.finding}.${judgement.revision === revision ? ` Error to quote ${judgement.quote}` : ""}`;
 }

@@ -52,8 +52,6 @@
  * @property {Coefficient[]} [coefficients]
  * @property {number} [sigma_px]
  * @property {number} [rms_px]
- * @property {number | null} [quote_px]
- * @property {string} [quote]
  * @property {FittedLine[]} [lines]
  * @property {{radius: number[], shift: number[], reached: number}} [radial]
  */
@@ -70,6 +68,7 @@
  * @property {number} [revision] What was judged.
  * @property {Suspect[]} [suspects]
  * @property {{good: boolean, text: string}[]} [checks]
+ * @property {string} [quote] The error to quote.
  * @property {ErrorMap | null} [map]
  * @property {NextLine | null} [next]
  * @property {{share: number, reached: boolean, text: string} | null} [goal]
