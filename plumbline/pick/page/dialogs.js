@@ -47,7 +47,7 @@ export function createDialogs(store, server) {
     const told = await server.finish();
     if (!told) return dialog.close();
     open("The lens is written", make("p", {}, make("b", {}, sentence(told.finding))),
-      make("p", {}, "Beside the photo lie now:"),
+      make("p", {}, "Files written beside the photo:"),
       make("ul", {}, ...told.files.map((/** @type {string} */ file) => make("li", {}, make("code", {}, file)))),
       make("p", {}, "The Hugin project (.pto) opens in Hugin. Copy the LensFun profile (.xml) to ",
         make("code", {}, told.lensfun), ", and darktable, digiKam and RawTherapee correct photographs with it. "
