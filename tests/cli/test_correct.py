@@ -72,7 +72,7 @@ def test_it_says_what_was_found_and_written(tmp_path: Path) -> None:
     photo(tmp_path / "a.jpg")
     done = plumb(tmp_path, "correct", "a.jpg", *PTLENS)
     assert done.stdout.startswith("Wrote a_corrected.jpg, used: ")
-    assert "b = -0.05" in done.stdout
+    assert "b = −0.05" in done.stdout
     assert (tmp_path / "a_corrected.jpg").exists()
     assert plumb(tmp_path, "correct", "a.jpg", *PTLENS, "-q").stdout == ""
 

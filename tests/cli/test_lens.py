@@ -33,7 +33,7 @@ def test_add_and_find(coolpix: Path, tmp_path: Path) -> None:
     done = plumbline("lens", "add", result, home=tmp_path)
     assert done.returncode == 0, done.stderr
     assert "Wrote" in done.stdout
-    assert "b = -0.123" in plumbline("lens", coolpix, home=tmp_path).stdout
+    assert "b = −0.123" in plumbline("lens", coolpix, home=tmp_path).stdout
     again = plumbline("lens", "add", result, home=tmp_path)
     assert again.returncode == 1
     assert "--overwrite" in again.stderr

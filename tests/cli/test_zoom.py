@@ -27,7 +27,7 @@ def test_a_table_what_is_needed_and_every_file(results: list[str], tmp_path: Pat
     assert done.returncode == 0, done.stderr
     assert "4 calibrations at 4 focal lengths, 10 to 28 mm" in done.stdout
     error = read_calibration(results[0]).standard_errors["b"]
-    assert f"-0.030000 ± {error:.6f}" in done.stdout
+    assert f"−0.030000 ± {error:.6f}" in done.stdout
     assert "another calibration is most needed at" in done.stdout
     for name in (*files, "z.svg"):
         assert (tmp_path / name).stat().st_size > 100
@@ -42,7 +42,7 @@ def test_a_table_what_is_needed_and_every_file(results: list[str], tmp_path: Pat
 def test_the_polynomial_is_printed(results: list[str], tmp_path: Path) -> None:
     done = plumbline("zoom", *results, "--method", "polynomial", "--degree", "2", home=tmp_path)
     assert "b(f) = " in done.stdout
-    assert "f^2" in done.stdout
+    assert "f²" in done.stdout
     done = plumbline("zoom", *results, "--method", "polynomial", "--degree", "4", home=tmp_path)
     assert done.returncode == 1
     assert "needs 5 focal lengths, and there are 4" in done.stderr

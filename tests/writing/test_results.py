@@ -373,7 +373,7 @@ def test_points_do_not_replace_files_of_others(tmp_path: Path) -> None:
 def test_a_fit_without_a_result_goes_into_json_alone(tmp_path: Path) -> None:
     made = replace(calibration(), converged=False)
     for suffix in (".pto", ".xml"):
-        with pytest.raises(plumbline.UnsettledError, match="no result") as caught:
+        with pytest.raises(plumbline.UnsettledError, match="the fit did not converge") as caught:
             plumbline.write(made, tmp_path / f"x{suffix}")
         assert "check that every pick is on its line" in caught.value.hint
     written = plumbline.write(made, tmp_path / "x.json")
