@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from plumbline._version import __version__
-from plumbline.errors import UnsettledError
 from plumbline.frame import Array
 from plumbline.geometry.finding import Finding
 from plumbline.geometry.lens import Lens
@@ -29,6 +29,9 @@ from plumbline.trust.straightness import LineStraightness, largest, rms, straigh
 from plumbline.trust.student import quantile
 from plumbline.trust.suspect import Suspect
 from plumbline.trust.verdicts import after_fit, doubt
+
+if TYPE_CHECKING:
+    from plumbline.report.notebook import Plots
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -90,6 +93,19 @@ class Calibration:
         values = ", ".join(f"{name} = {self.coefficients[name]:.6g}" for name in self.free)
         state = f"{self.rms_after_px:.3g} px rms" if self.converged else "not converged"
         return f"<Calibration: {self.model} {values or 'held'}; {state}; {self.observations!r}>"
+
+    def _repr_html_(self) -> str:
+        """The finding and the coefficients, for a notebook."""
+        from plumbline.report.notebook import html_of
+
+        return html_of(self)
+
+    @property
+    def plot(self) -> Plots:
+        """Its figures, as in `calibration.plot.curve()`."""
+        from plumbline.report.notebook import Plots
+
+        return Plots(self)
 
     @property
     def model(self) -> str:
@@ -269,24 +285,3 @@ class Calibration:
     def _fitted(self, values: Sequence[Array]) -> list[Array]:
         """The values of the picks that were fitted."""
         return [each[kept] for each, kept in zip(values, self.kept, strict=True) if kept.any()]
-
-
-def refuse_unsettled(calibrations: Sequence[Calibration]) -> None:
-    """Refuse fits that did not reach a minimum.
-
-    Raises:
-        UnsettledError: there is one; the sentence names its worst line.
-    """
-    for calibration in calibrations:
-        if calibration.converged:
-            continue
-        worst = max(
-            (line for line in calibration.lines if not line.left_out),
-            key=lambda line: line.rms_after_px,
-        )
-        raise UnsettledError(
-            f"{calibration.observations.named}the fit did not converge: {calibration.reason}; line "
-            f"{worst.label} is farthest from straight, by {worst.rms_after_px:.3g} px (rms)",
-            hint="check that every pick is on its line and that the photo's size (and --grid) is "
-            "right",
-        )
