@@ -103,8 +103,7 @@ def test_points_that_a_grid_lacks_are_left_out(how: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "points",
-    [grid(3, 4).reshape(-1, 2), grid(3, 4).reshape(-1, 1, 2), grid(3, 4)[..., :1], [], 7.0],
+    "points", [grid(3, 4).reshape(-1, 2), grid(3, 4)[..., :1], [], 7.0, "abc"], ids=str
 )
 def test_another_shape_is_no_grid(points: Any) -> None:
     with pytest.raises(OptionError, match="the grid") as caught:
