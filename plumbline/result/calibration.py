@@ -25,7 +25,13 @@ from plumbline.trust.linearised import Linearised
 from plumbline.trust.model_error import ModelError
 from plumbline.trust.placement import before_fit
 from plumbline.trust.quoted import Quoted
-from plumbline.trust.straightness import LineStraightness, largest, rms, straightness_before
+from plumbline.trust.straightness import (
+    LineStraightness,
+    largest,
+    line_by_line,
+    rms,
+    straightness_before,
+)
 from plumbline.trust.student import quantile
 from plumbline.trust.suspect import Suspect
 from plumbline.trust.verdicts import after_fit, doubt
@@ -264,18 +270,10 @@ class Calibration:
         """Residuals and their derivatives at the result."""
         return self.trust.linearised
 
-    @property
+    @cached_property
     def lines(self) -> tuple[LineStraightness, ...]:
         """Straightness of every line; one left out as a whole is measured nevertheless."""
-        measured: list[LineStraightness] = []
-        for line, before, after, kept in zip(
-            self.observations.lines, self.before_px, self.residuals_px, self.kept, strict=True
-        ):
-            which = kept if kept.any() else ~kept
-            numbers = (rms([before[which]]), rms([after[which]]), largest([after[which]]))
-            count = int(np.count_nonzero(kept))
-            measured.append(LineStraightness(line.label, line.photo, count, *numbers))
-        return tuple(measured)
+        return line_by_line(self.observations, self.before_px, self.residuals_px, self.kept)
 
     @property
     def _straight(self) -> tuple[LineStraightness, ...]:
