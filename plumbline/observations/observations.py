@@ -20,6 +20,7 @@ from plumbline.observations.arrays import lines_from_arrays, lines_from_grid, ph
 from plumbline.observations.copies import counted_once, told
 from plumbline.observations.facts import LensFacts
 from plumbline.observations.picks import MAX_SIDE, Line, Origin, Photo
+from plumbline.observations.soundness import is_sound
 from plumbline.wording import count, listed
 
 __all__ = ["MAX_SIDE", "Line", "Observations", "Origin", "Photo"]
@@ -140,7 +141,7 @@ class Observations:
         """Number of points on all lines."""
         return int(self.sizes.sum())
 
-    @property
+    @cached_property
     def centred_px(self) -> Array:
         """All points line after line, in square pixels from their photos' centres, (n, 2)."""
         parts: list[Array] = []
@@ -207,6 +208,8 @@ class Observations:
             DegenerateLinesError: no line is left.
         """
         photos = tuple(photo.checked(self.named) for photo in self.photos)
+        if not singly and is_sound(self.lines, photos, ideal=ideal):
+            return replace(self, photos=photos)
         notes = list(self.notes)
         kept: list[Line] = []
         short: list[str] = []

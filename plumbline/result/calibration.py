@@ -162,6 +162,8 @@ class Calibration:
     @property
     def kept_observations(self) -> Observations:
         """The observations without the picks that were left out, and lines too short then."""
+        if all(map(np.all, self.kept)):
+            return self.observations
         fewer = [
             replace(line, points_px=line.points_px[kept], rows=None)
             for line, kept in zip(self.observations.lines, self.kept, strict=True)
@@ -282,4 +284,4 @@ class Calibration:
 
     def _fitted(self, values: Sequence[Array]) -> list[Array]:
         """The values of the picks that were fitted."""
-        return [each[kept] for each, kept in zip(values, self.kept, strict=True) if kept.any()]
+        return [np.concatenate(values)[np.concatenate(self.kept)]]

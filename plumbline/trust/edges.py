@@ -46,23 +46,28 @@ def edges_of(lens: Lens, observations: Observations, sigma_px: float) -> NDArray
     near_px = max(_APART * sigma_px, _LEAST_PX)
     pairs = [
         pair[:, (photo[pair[0]] == photo[pair[1]]) & _same(lines, reach, *pair, near_px)]
-        for pair in _at_one_distance(lines, 2 * near_px)
+        for pair in _alike(lines, reach, near_px)
     ]
     return _joined(len(sizes), np.concatenate(pairs, axis=1))
 
 
-def _at_one_distance(lines: Lines, within_px: float) -> Iterator[NDArray[np.int64]]:
+def _alike(lines: Lines, reach: Array, near_px: float) -> Iterator[NDArray[np.int64]]:
     """Pairs of lines, shape (2, m), that may lie on each other.
 
-    These are at one distance from the photo's centre, whichever way they point.
+    These are at one distance from the photo's centre, whichever way they point, and run in
+    directions that differ by what the shorter one's ends allow.
     """
     away = np.abs(np.sum(lines.across * lines.centre, axis=1))
     order = np.argsort(away, kind="stable")
-    away = away[order]
-    last = np.searchsorted(away, away + within_px, side="right") - 1
+    away, (cosine, sine) = away[order], lines.along[order].T
+    turn = 2 * near_px / np.maximum(reach[1] - reach[0], near_px)[order]
+    ends = np.searchsorted(away, away + 2 * near_px, side="right")
     yield np.zeros((2, 0), dtype=np.int64)
-    for step in range(1, int(np.max(last - np.arange(len(away)), initial=0)) + 1):
-        first = np.flatnonzero(np.arange(len(away)) + step <= last)
+    for step in range(1, int(np.max(ends - np.arange(len(away)), initial=1))):
+        sine_between = cosine[:-step] * sine[step:] - sine[:-step] * cosine[step:]
+        alike = np.abs(sine_between) <= np.maximum(turn[:-step], turn[step:])
+        alike &= away[step:] - away[:-step] <= 2 * near_px
+        first = np.flatnonzero(alike)
         yield np.stack((order[first], order[first + step]))
 
 
