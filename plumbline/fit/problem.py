@@ -22,7 +22,7 @@ from plumbline.fit.program.blocks import Packed, pack, unpack
 from plumbline.fit.program.task import FitTask
 from plumbline.fit.refusals import degrees_of_freedom, reach_of_lines, refuse_blind
 from plumbline.frame import Array, Frame
-from plumbline.geometry.lens import Lens
+from plumbline.geometry.lens import Lens, refuse_impossible
 from plumbline.geometry.lines import line_numbers
 from plumbline.models import CENTRE, Model
 from plumbline.observations import Observations
@@ -141,6 +141,10 @@ def _planned(
     frame = _common_frame(observations, chosen, model)
     facts.refuse_contradiction(frame)
     blank = Lens(model, frame, dict(chosen.start), focal_px=facts.focal_length_px(frame))
+    diagonal_px = float(np.hypot(*frame.size))
+    refuse_impossible(
+        blank.vector, float(np.hypot(chosen.start["d"], chosen.start["e"])) / diagonal_px
+    )
     n_points, n_lines = observations.n_points, len(observations.lines)
     dof = degrees_of_freedom(n_points, n_lines, len(chosen.free))
     return _Planned(observations, chosen, blank, dof)
