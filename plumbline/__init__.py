@@ -46,13 +46,15 @@ if TYPE_CHECKING:
     )
     from plumbline.fit.calibrate import (
         calibrate as calibrate,
-        calibrate_many as calibrate_many,
     )
     from plumbline.fit.check import (
         check as check,
     )
     from plumbline.fit.choice.compare import (
         compare as compare,
+    )
+    from plumbline.fit.many import (
+        calibrate_many as calibrate_many,
     )
     from plumbline.formats.known import (
         FORMATS as FORMATS,
@@ -175,12 +177,10 @@ _HOMES = {
         "WriteError",
     ),
     "plumbline.fit.bootstrap": ("bootstrap",),
-    "plumbline.fit.calibrate": (
-        "calibrate",
-        "calibrate_many",
-    ),
+    "plumbline.fit.calibrate": ("calibrate",),
     "plumbline.fit.check": ("check",),
     "plumbline.fit.choice.compare": ("compare",),
+    "plumbline.fit.many": ("calibrate_many",),
     "plumbline.formats.known": ("FORMATS",),
     "plumbline.frame": ("Frame",),
     "plumbline.geometry.lens": ("Lens",),

@@ -17,10 +17,14 @@ converge is not an exception: see `Calibration.converged`.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from pathlib import Path  # no other module that --help loads needs it
+
+
+Made = TypeVar("Made")
 
 
 class PlumblineError(Exception):
@@ -37,19 +41,22 @@ class PlumblineError(Exception):
         self.hint = hint
 
 
-class About:
-    """Begins the sentences of errors that are raised within it with what they are about."""
+def or_error(make: Callable[[], Made]) -> Made | PlumblineError:
+    """What is made, or the error that this ends in, free of the frames it came through."""
+    try:
+        return make()
+    except PlumblineError as error:
+        return error.with_traceback(None)
 
-    def __init__(self, what: str) -> None:
-        self._what = what
 
-    def __enter__(self) -> None:
-        pass
+def refuse_other_type(value: object, wanted: type | tuple[type, ...], name: str, hint: str) -> None:
+    """Refuse an argument of another type, for those who run no type checker.
 
-    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
-        if isinstance(error, PlumblineError):
-            error.message = f"{self._what}{error.message}"
-            error.args = (error.message,)
+    Raises:
+        OptionError: the value is not of the type that is wanted.
+    """
+    if not isinstance(value, wanted):
+        raise OptionError(f"{name} expected, not {type(value).__name__}", hint=hint)
 
 
 def printable(text: str) -> str:

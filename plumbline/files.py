@@ -10,7 +10,7 @@ import secrets
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from plumbline.errors import ReadError, WriteError
+from plumbline.errors import OptionError, ReadError, WriteError
 
 MARK = "made by plumbline"
 """Stands in the head of every PTO and XML that plumbline creates, and ends its maps."""
@@ -50,13 +50,28 @@ _MARKED_AT_THE_END = (".tif", ".tiff", ".npz")
 _NEW_FILE = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
 
 
+def as_path(path: str | Path) -> Path:
+    """A path as callers give it.
+
+    Raises:
+        OptionError: this is no text and no path.
+    """
+    try:
+        return Path(path)
+    except TypeError:
+        name = type(path).__name__
+        raise OptionError(
+            f"a file name expected, not {name}", hint="give a str or a Path"
+        ) from None
+
+
 def read_bytes(path: str | Path) -> bytes:
     """The bytes of a regular file.
 
     Raises:
         ReadError: it is missing, not a regular file, unreadable or absurdly large.
     """
-    file = Path(path)
+    file = as_path(path)
     try:
         if file.is_dir():
             raise ReadError("this is a folder, not a file", path=path, hint=_NAME_A_FILE)

@@ -30,6 +30,10 @@ FLOORS = (
 )
 """From the ground up: a room imports from the floors below its own."""
 
+LATE = {("plumbline.result.calibration", "plumbline.report.notebook")}
+"""Who reaches upwards, and for what: a calibration shows itself by what stands above it, which is
+loaded when it is asked for."""
+
 FACES = ("__init__", "__main__")
 """The package's face and its entry point stand outside the floors."""
 
@@ -89,7 +93,8 @@ def test_rooms_import_from_floors_below_only(path: Path) -> None:
     room = room_of(path)
     if room in FACES:
         return
-    used = {name.split(".")[1] for name in imports(path) if name.startswith("plumbline.")}
+    own = {name for name in imports(path) if (name_of(path), name) not in LATE}
+    used = {name.split(".")[1] for name in own if name.startswith("plumbline.")}
     assert "plumbline" not in set(imports(path)), "import from the module that has the name"
     above = {name for name in used - {room} if HEIGHT[name] >= HEIGHT[room]}
     assert not above, f"{room} imports from its own floor or from above: {sorted(above)}"
@@ -152,6 +157,12 @@ def loaded_by(program: str) -> set[str]:
         [sys.executable, "-c", program + ending], capture_output=True, text=True, check=True
     )
     return set(done.stdout.rpartition("LOADED")[2].split())
+
+
+@pytest.mark.parametrize(("module", "above"), LATE)
+def test_what_reaches_upwards_does_so_late(module: str, above: str) -> None:
+    program = f"import sys, {module}\nassert {above!r} not in sys.modules"
+    assert "plumbline" in loaded_by(program)
 
 
 HELP = """

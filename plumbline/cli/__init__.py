@@ -9,6 +9,7 @@ import io
 import os
 import sys
 import threading
+import warnings
 from importlib import import_module
 
 import click
@@ -86,6 +87,8 @@ def main() -> None:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="spelt")
     sys.unraisablehook = _interrupted_again
+    if not sys.warnoptions:  # what libraries tell programmers is nothing for the user
+        warnings.simplefilter("ignore")
     sys.exit(_status())
 
 

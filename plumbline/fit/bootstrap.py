@@ -15,7 +15,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from plumbline.errors import DegenerateLinesError, OptionError
+from plumbline.errors import DegenerateLinesError, OptionError, refuse_other_type
 from plumbline.fit.outcome import is_settled
 from plumbline.fit.problem import Problem, prepare
 from plumbline.fit.program.solve import BATCH, solve_many
@@ -46,6 +46,8 @@ def bootstrap(
         OptionError: the number of fits makes no sense.
         DegenerateLinesError: hardly any of the fits reached a minimum.
     """
+    refuse_other_type(calibration, Calibration, "a Calibration", "fit one with plumbline.calibrate")
+    refuse_other_type(fits, int, "a whole number of fits", "1000 are usual")
     if not _LEAST <= fits <= _MOST:
         raise OptionError(
             f"a bootstrap of {fits:,} fits is out of range",

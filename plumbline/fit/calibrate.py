@@ -1,23 +1,16 @@
-"""Calibrate a lens from straight lines: the entry points of the fit."""
+"""Calibrate a lens from straight lines: the entry point of the fit."""
 
 from __future__ import annotations
 
-from collections import deque
-from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import NamedTuple
 
-import numpy as np
-
 from plumbline.errors import DegenerateLinesError, OptionError, PlumblineError
 from plumbline.fit.choice.compare import compare
-from plumbline.fit.problem import Problem, Start, prepare_many
-from plumbline.fit.program.blocks import shape_of
-from plumbline.fit.program.solve import BATCH, launch
-from plumbline.fit.program.task import Solution
-from plumbline.fit.single import finished, fit_one
-from plumbline.models import get_model
+from plumbline.fit.options import as_names
+from plumbline.fit.problem import Start
+from plumbline.fit.single import fit_one
 from plumbline.observations import Observations
 from plumbline.result.calibration import Calibration
 from plumbline.trust.assessment import ResidualKind
@@ -26,12 +19,6 @@ from plumbline.trust.verdicts import suspects_check
 
 AUTO = "auto"
 """Stands for the model that the comparison recommends."""
-
-_CHUNK = 4 * BATCH
-"""Problems that are prepared, fitted, screened and finished in one go."""
-
-_AHEAD = 2
-"""How many of these are prepared while JAX fits those before and a thread finishes others."""
 
 
 def calibrate(
@@ -78,8 +65,8 @@ def calibrate(
         >>> plumbline.calibrate(obs).coefficients  # doctest: +SKIP
         {'a': 0.032, 'b': -0.098, 'c': 0.042, 'd': 0.0, 'e': 0.0}
     """
-    chosen = None if free is None else tuple(free)
-    how = _How(model, chosen, tuple(hold), start, residual)
+    chosen = None if free is None else as_names(free, "free")
+    how = _How(model, chosen, as_names(hold, "hold"), start, residual)
     if model == AUTO:
         return _recommended(observations, how, done, robust=robust)
     return _fitted(observations, how, robust=robust)
@@ -137,65 +124,3 @@ def _suspects_beside(observations: Observations, how: _How) -> tuple[Suspect, ..
     except PlumblineError:
         return ()
     return calibration.suspects if calibration.converged else ()
-
-
-def calibrate_many(
-    observations: Sequence[Observations],
-    model: str = "ptlens",
-    *,
-    free: Iterable[str] | None = None,
-    hold: Iterable[str] = (),
-    residual: ResidualKind = "image",
-    robust: bool = False,
-) -> list[Calibration]:
-    """Calibrate many lenses at once, in compiled batches of problems of like size.
-
-    Args:
-        observations: Each the photos and lines of one lens.
-        model: As for `calibrate`.
-        free: As for `calibrate`.
-        hold: As for `calibrate`.
-        residual: As for `calibrate`.
-        robust: As for `calibrate`.
-
-    Returns:
-        One calibration each, in the same order, the same as `calibrate` gives.
-
-    Raises:
-        PlumblineError: as `calibrate`, for one of the lenses that fail; the sentence names its
-            number from 0. None of the results is returned then.
-    """
-    chosen, held = None if free is None else tuple(free), tuple(hold)
-    batches: dict[tuple[int, int], list[int]] = {}
-    for index, each in enumerate(observations):
-        batches.setdefault(shape_of(each), []).append(index)
-    chunks = [
-        members[first : first + _CHUNK]
-        for members in batches.values()
-        for first in range(0, len(members), _CHUNK)
-    ]
-
-    calibrations: list[Calibration] = []
-    running: deque[Future[list[Calibration]]] = deque()
-    with ThreadPoolExecutor(1) as pool:
-        for chunk in chunks:
-            some, names = [observations[index] for index in chunk], [f"lens {i}: " for i in chunk]
-            problems = prepare_many(some, names, get_model(model), chosen, held, None, residual)
-            solutions = launch(get_model(model), [problem.task for problem in problems])
-            running.append(pool.submit(_finished_later, problems, solutions, names, robust=robust))
-            if len(running) > _AHEAD:
-                calibrations += running.popleft().result()
-        for last in running:
-            calibrations += last.result()
-    order = np.argsort([index for chunk in chunks for index in chunk])
-    return [calibrations[place] for place in order.tolist()]
-
-
-def _finished_later(
-    problems: Sequence[Problem],
-    solutions: Callable[[], list[Solution]],
-    names: Sequence[str],
-    *,
-    robust: bool,
-) -> list[Calibration]:
-    return finished(problems, solutions(), names, robust=robust)

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from plumbline.errors import DegenerateLinesError, PlumblineError
 from plumbline.fit.calibrate import calibrate
-from plumbline.fit.options import fit_plan
+from plumbline.fit.options import as_names, fit_plan
 from plumbline.fit.problem import only_lens
 from plumbline.models import get_model
 from plumbline.observations import Observations
@@ -45,7 +45,7 @@ def check(
         >>> plumbline.check(obs).passed  # doctest: +SKIP
         True
     """
-    chosen, held = None if free is None else tuple(free), tuple(hold)
+    chosen, held = None if free is None else as_names(free, "free"), as_names(hold, "hold")
     radial = get_model(model).radial
     fitted = fit_plan(get_model(model), only_lens(observations), chosen, held, None).free
     before = before_fit(observations, len(fitted), sum(name in radial for name in fitted))

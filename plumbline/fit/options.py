@@ -138,14 +138,37 @@ def _free(
     return tuple(name for name in names if name in wanted)
 
 
+def as_names(names: Iterable[str], what: str) -> tuple[str, ...]:
+    """Names of coefficients as callers give them.
+
+    Raises:
+        OptionError: these are no names.
+    """
+    try:
+        return tuple(names)
+    except TypeError:
+        raise OptionError(
+            f"{what}: names of coefficients expected, not {type(names).__name__}",
+            hint=f'give a tuple, as in {what}=("a", "b")',
+        ) from None
+
+
 def _known(names: tuple[str, ...], given: Mapping[str, float], where: str) -> dict[str, float]:
+    if not hasattr(given, "items"):
+        raise OptionError(
+            f"a start vector by name expected, not {type(given).__name__}",
+            hint='give a dictionary, as in start={"a": 0.01}',
+        )
     for name in given:
         if name not in names:
             raise OptionError(
                 f"{where} an unknown coefficient {name!r}",
                 hint=f"the coefficients are {', '.join(names)}",
             )
-    return {name: float(value) for name, value in given.items()}
+    try:
+        return {name: float(value) for name, value in given.items()}
+    except (TypeError, ValueError) as error:
+        raise OptionError(f"{where} a value that is not a number: {error}") from None
 
 
 def _note_ignored(stored: Mapping[str, float], free: tuple[str, ...], notes: list[str]) -> None:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
-from plumbline.errors import About
+from plumbline.errors import PlumblineError, or_error
 from plumbline.fit.problem import Problem
 from plumbline.fit.program.blocks import unpack
 from plumbline.fit.program.task import Solution
@@ -44,16 +45,16 @@ def finish(problem: Problem, solution: Solution) -> Calibration:
         DegenerateLinesError: the lines do not determine the free coefficients.
         CollapsedFitError: the fit reached a small residual by a nonsensical lens.
     """
-    return finish_many([problem], [solution], [""])[0]
+    (calibration,) = finish_many([problem], [solution])
+    if isinstance(calibration, PlumblineError):
+        raise calibration
+    return calibration
 
 
 def finish_many(
-    problems: Sequence[Problem], solutions: Sequence[Solution], names: Sequence[str]
-) -> list[Calibration]:
-    """The same for problems of one model whose blocks have one shape.
-
-    Errors begin with the name of the lens that they are about.
-    """
+    problems: Sequence[Problem], solutions: Sequence[Solution]
+) -> list[Calibration | PlumblineError]:
+    """The same for problems of one model whose blocks have one shape; errors in their place."""
     chosen = np.stack([problem.task.free for problem in problems])
     unit = unit_covariances(np.stack([solution.normal for solution in solutions]), chosen)
     found = np.stack([solution.coefficients for solution in solutions])
@@ -64,26 +65,27 @@ def finish_many(
         [problem.packed for problem in problems], [solution.residual for solution in solutions]
     )
     ends = np.cumsum([len(problem.kept) for problem in problems])[:-1]
-    calibrations: list[Calibration] = []
-    every = zip(problems, solutions, np.split(residuals_px, ends), names, strict=True)
-    for index, (problem, solution, residual_px, name) in enumerate(every):
-        with About(name):
-            lens, radius_px = lens_of(problem, solution), problem.blank.frame.radius_px
-            refuse_collapsed(lens, float(solution.scale), int(solution.folded))
-            sigma_px = float(np.sqrt(residual_px @ residual_px / problem.dof))
-            by_lines_px = by_line(residual_px.copy(), problem.packed.sizes)
-            refuse_bent(sigma_px, radius_px, problem.observations.lines, by_lines_px)
-            refuse_undetermined(unseen=bool(unit.unseen[index]), mixed=bool(unit.mixed[index]))
-            covariance = unit.covariance[index] * np.outer(problem.to_px, problem.to_px)
-            centre_px = float(np.sqrt(np.max(np.diagonal(covariance)[-2:])))
-            corner_px = float(corners[index]) * lens.unit_px
-            refuse_unobservable(centre_px, corner_px, radius_px, sigma_px)
-            free = problem.task.free
-            covariance = sigma_px**2 * covariance[free][:, free]
-            calibrations.append(
-                _assembled(problem, solution, lens, covariance, sigma_px, by_lines_px)
-            )
-    return calibrations
+
+    def finished(index: int, residual_px: Array) -> Calibration:
+        problem, solution = problems[index], solutions[index]
+        lens, radius_px = lens_of(problem, solution), problem.blank.frame.radius_px
+        refuse_collapsed(lens, float(solution.scale), int(solution.folded))
+        sigma_px = float(np.sqrt(residual_px @ residual_px / problem.dof))
+        by_lines_px = by_line(residual_px.copy(), problem.packed.sizes)
+        refuse_bent(sigma_px, radius_px, problem.observations.lines, by_lines_px)
+        refuse_undetermined(unseen=bool(unit.unseen[index]), mixed=bool(unit.mixed[index]))
+        covariance = unit.covariance[index] * np.outer(problem.to_px, problem.to_px)
+        centre_px = float(np.sqrt(np.max(np.diagonal(covariance)[-2:])))
+        corner_px = float(corners[index]) * lens.unit_px
+        refuse_unobservable(centre_px, corner_px, radius_px, sigma_px)
+        free = problem.task.free
+        covariance = sigma_px**2 * covariance[free][:, free]
+        return _assembled(problem, solution, lens, covariance, sigma_px, by_lines_px)
+
+    return [
+        or_error(partial(finished, index, residual_px))
+        for index, residual_px in enumerate(np.split(residuals_px, ends))
+    ]
 
 
 def _assembled(

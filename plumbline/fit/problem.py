@@ -4,18 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from functools import partial
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from plumbline.errors import About, DegenerateLinesError, OptionError
+from plumbline.errors import (
+    DegenerateLinesError,
+    OptionError,
+    PlumblineError,
+    or_error,
+    refuse_other_type,
+)
 from plumbline.fit.options import FitPlan, fit_plan
 from plumbline.fit.program.blocks import Packed, pack, unpack
 from plumbline.fit.program.task import FitTask
 from plumbline.fit.refusals import degrees_of_freedom, reach_of_lines, refuse_blind
 from plumbline.frame import Array, Frame
-from plumbline.geometry.lens import Lens
+from plumbline.geometry.lens import Lens, refuse_impossible
 from plumbline.geometry.lines import line_numbers
 from plumbline.models import CENTRE, Model
 from plumbline.observations import Observations
@@ -81,43 +88,41 @@ def prepare(
         OptionError: an argument is unknown or contradicts the observations.
         DegenerateLinesError: the lines cannot show any distortion.
     """
-    return prepare_many([observations], [""], model, free, hold, start, residual)[0]
+    (problem,) = prepare_many([observations], model, free, hold, start, residual)
+    if isinstance(problem, PlumblineError):
+        raise problem
+    return problem
 
 
 def prepare_many(
     observations: Sequence[Observations],
-    names: Sequence[str],
     model: Model,
     free: Iterable[str] | None,
     hold: Iterable[str],
     start: Start,
     residual: ResidualKind,
-) -> list[Problem]:
-    """The same for lenses whose blocks have one shape; errors begin with the lens's name."""
+) -> list[Problem | PlumblineError]:
+    """The same for lenses whose blocks have one shape; what is wrong with one is in its place.
+
+    Raises:
+        OptionError: the residual is unknown.
+    """
     if residual not in ("image", "corrected"):
         raise OptionError(f"the residual is image or corrected, not {residual!r}")
     chosen, held = None if free is None else tuple(free), tuple(hold)
-    plans: list[FitPlan] = []
-    blanks: list[Lens] = []
-    for each, name in zip(observations, names, strict=True):
-        with About(name):
-            plan, blank = _planned(each, model, chosen, held, start)
-        plans.append(plan)
-        blanks.append(blank)
-    packed = pack(observations, [blank.unit_px for blank in blanks])
-    points = unpack(packed, [each.block.xy for each in packed])
-    if not np.all(np.isfinite(points)):
-        for each, name in zip(observations, names, strict=True):
-            with About(name):
-                each.checked()  # says which point it is
-    problems = [
-        _problem(each, plan, blank, block, residual, name)
-        for each, plan, blank, block, name in zip(
-            observations, plans, blanks, packed, names, strict=True
-        )
-    ]
-    _refuse_blind(problems, points, names)
-    return problems
+    plans = [or_error(partial(_planned, each, model, chosen, held, start)) for each in observations]
+    sound = [plan for plan in plans if not isinstance(plan, PlumblineError)]
+    ready = iter(_packed_together(sound, residual) if sound else ())
+    return [plan if isinstance(plan, PlumblineError) else next(ready) for plan in plans]
+
+
+class _Planned(NamedTuple):
+    """What is to be fitted to the picks of one lens, and the lens before the fit."""
+
+    observations: Observations
+    plan: FitPlan
+    blank: Lens
+    dof: int
 
 
 def _planned(
@@ -126,8 +131,7 @@ def _planned(
     free: tuple[str, ...] | None,
     hold: tuple[str, ...],
     start: Start,
-) -> tuple[FitPlan, Lens]:
-    """What is fitted, and the lens before the fit."""
+) -> _Planned:
     facts = only_lens(observations)
     if not observations.lines:
         raise DegenerateLinesError(
@@ -136,22 +140,55 @@ def _planned(
     chosen = fit_plan(model, facts, free, hold, start)
     frame = _common_frame(observations, chosen, model)
     facts.refuse_contradiction(frame)
-    return chosen, Lens(model, frame, dict(chosen.start), focal_px=facts.focal_length_px(frame))
+    blank = Lens(model, frame, dict(chosen.start), focal_px=facts.focal_length_px(frame))
+    diagonal_px = float(np.hypot(*frame.size))
+    refuse_impossible(
+        blank.vector, float(np.hypot(chosen.start["d"], chosen.start["e"])) / diagonal_px
+    )
+    n_points, n_lines = observations.n_points, len(observations.lines)
+    dof = degrees_of_freedom(n_points, n_lines, len(chosen.free))
+    return _Planned(observations, chosen, blank, dof)
 
 
-def _problem(
-    observations: Observations,
-    chosen: FitPlan,
-    blank: Lens,
-    packed: Packed,
-    residual: ResidualKind,
-    name: str,
-) -> Problem:
+def _packed_together(
+    planned: Sequence[_Planned], residual: ResidualKind
+) -> list[Problem | PlumblineError]:
+    """Problems of what is planned, or why no fit is worth trying."""
+    packed = pack([each.observations for each in planned], [each.blank.unit_px for each in planned])
+    problems = [_problem(*each, residual) for each in zip(planned, packed, strict=True)]
+    points = unpack(packed, [each.block.xy for each in packed])
+    radii = np.array([each.blank.frame.radius_px / each.blank.unit_px for each in problems])
+    centres = np.stack([each.task.start[-2:] for each in problems])
+    counts = np.array([len(each.kept) for each in problems])
+    sizes = np.concatenate([each.packed.sizes for each in problems])
+    with np.errstate(invalid="ignore"):  # points that are not finite are refused one by one
+        seen = (points - np.repeat(centres, counts, axis=0)) / np.repeat(radii, counts)[:, None]
+        distance, half_length = reach_of_lines(seen, sizes)
+    ends = np.cumsum([len(each.packed.sizes) for each in problems])[:-1]
+    reaches = zip(np.split(distance, ends), np.split(half_length, ends), strict=True)
+    return [
+        or_error(partial(_sighted, problem, *reach))
+        for problem, reach in zip(problems, reaches, strict=True)
+    ]
+
+
+def _sighted(problem: Problem, distance: Array, half_length: Array) -> Problem:
+    """The problem, unless no line of its can show any distortion: told before a fit is tried."""
+    if not np.all(np.isfinite(problem.packed.block.xy)):
+        problem.observations.checked()  # says which point it is
+    refuse_blind(
+        distance,
+        half_length,
+        problem.blank.frame.radius_px,
+        known_centre=not set(CENTRE) & set(problem.plan.free),
+    )
+    return problem
+
+
+def _problem(planned: _Planned, packed: Packed, residual: ResidualKind) -> Problem:
+    observations, chosen, blank, dof = planned
     model, unit_px = blank.model, blank.unit_px
     radius = blank.frame.radius_px / unit_px
-    with About(name):
-        n_points, n_lines = len(packed.cells), len(packed.sizes)
-        dof = degrees_of_freedom(n_points, n_lines, len(chosen.free))
     to_px = np.ones(len(model.coefficients) + 2)
     to_px[-2:] = 1 / blank.frame.per_px(unit_px)
     names = (*model.coefficients, *CENTRE)
@@ -165,38 +202,22 @@ def _problem(
         gauge_radius=model.gauge * radius,
         corner=blank.frame.corner_radius * radius,
     )
-    kept = np.ones(n_points, dtype=np.bool_)
+    kept = np.ones(len(packed.cells), dtype=np.bool_)
     return Problem(observations, model, chosen, residual, packed, kept, task, blank, to_px, dof)
-
-
-def _refuse_blind(problems: Sequence[Problem], points: Array, names: Sequence[str]) -> None:
-    """Stop where no line can show any distortion, before a fit is tried."""
-    radii = np.array([each.blank.frame.radius_px / each.blank.unit_px for each in problems])
-    centres = np.stack([each.task.start[-2:] for each in problems])
-    counts = np.array([len(each.kept) for each in problems])
-    sizes = np.concatenate([each.packed.sizes for each in problems])
-    seen = (points - np.repeat(centres, counts, axis=0)) / np.repeat(radii, counts)[:, None]
-    distance, half_length = reach_of_lines(seen, sizes)
-    ends = np.cumsum([len(each.packed.sizes) for each in problems]).tolist()
-    first = 0
-    for problem, name, end in zip(problems, names, ends, strict=True):
-        own = slice(first, end)
-        first = end
-        with About(name):
-            refuse_blind(
-                distance[own],
-                half_length[own],
-                problem.blank.frame.radius_px,
-                known_centre=not set(CENTRE) & set(problem.plan.free),
-            )
 
 
 def only_lens(observations: Observations) -> LensFacts:
     """Facts about the one lens that took the photos.
 
     Raises:
-        OptionError: there are several.
+        OptionError: there are several, or these are no observations.
     """
+    refuse_other_type(
+        observations,
+        Observations,
+        "Observations",
+        "read them with plumbline.read, or make them with Observations.from_arrays",
+    )
     if len(observations.lenses) != 1:
         raise OptionError(
             f"these observations are of {len(observations.lenses)} lenses",

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from functools import partial
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from plumbline.errors import About, CollapsedFitError, DegenerateLinesError, PlumblineError
+from plumbline.errors import CollapsedFitError, DegenerateLinesError, PlumblineError, or_error
 from plumbline.fit.outcome import finish, finish_many
 from plumbline.fit.problem import Problem, Start, prepare
 from plumbline.fit.program.solve import solve
@@ -22,6 +24,9 @@ from plumbline.result.calibration import Calibration
 from plumbline.trust.assessment import ResidualKind
 from plumbline.trust.suspect import Suspect
 from plumbline.wording import count, number
+
+_Found: TypeAlias = Robust | DegenerateLinesError | None
+"""What `robust_fits` gives for one problem."""
 
 
 def fit_one(
@@ -38,31 +43,41 @@ def fit_one(
     problem = prepare(observations, get_model(model), free, hold, start, residual)
     solution = solve(problem.model, problem.task)
     if problem.plan.staged:
-        return finished([problem], [solution], [""], robust=robust)[0]
+        return _only(finished([problem], [solution], robust=robust))
     from_zero = replace(problem, task=problem.task._replace(staged=True))
     return _compared_with_zero(problem, solution, from_zero, robust=robust)
 
 
+def _only(made: Sequence[Calibration | PlumblineError]) -> Calibration:
+    """The one calibration.
+
+    Raises:
+        DegenerateLinesError: there is none; CollapsedFitError: it is nonsense.
+    """
+    (calibration,) = made
+    if isinstance(calibration, PlumblineError):
+        raise calibration
+    return calibration
+
+
 def finished(
-    problems: Sequence[Problem],
-    solutions: Sequence[Solution],
-    names: Sequence[str],
-    *,
-    robust: bool,
-) -> list[Calibration]:
-    """Calibrations of one model with their suspects; errors begin with the lens's name."""
+    problems: Sequence[Problem], solutions: Sequence[Solution], *, robust: bool
+) -> list[Calibration | PlumblineError]:
+    """Calibrations of one model with their suspects; errors in their place."""
     found = robust_fits(problems, solutions)
     if not robust:
-        plain = zip(finish_many(problems, solutions, names), found, strict=True)
-        return [each if other is None else _accused(each, other) for each, other in plain]
-    calibrations: list[Calibration] = []
-    for problem, solution, other, name in zip(problems, solutions, found, names, strict=True):
-        with About(name):
-            one = (
-                finish(problem, solution) if other is None else _believed(other, problem, solution)
-            )
-        calibrations.append(replace(one, robust=True))
-    return calibrations
+        plain = zip(finish_many(problems, solutions), found, strict=True)
+        return [
+            each if other is None or isinstance(each, PlumblineError) else _accused(each, other)
+            for each, other in plain
+        ]
+
+    def believed(problem: Problem, solution: Solution, other: _Found) -> Calibration:
+        one = finish(problem, solution) if other is None else _believed(other, problem, solution)
+        return replace(one, robust=True)
+
+    every = zip(problems, solutions, found, strict=True)
+    return [or_error(partial(believed, *each)) for each in every]
 
 
 def _suspecting(found: Robust | DegenerateLinesError) -> Calibration:
@@ -142,7 +157,7 @@ def _compared_with_zero(
     """The fit from the user's start vector; if the one from zero ends lower, both are told."""
 
     def fitted(which: Problem, found: Solution) -> Calibration:
-        return finished([which], [found], [""], robust=robust)[0]
+        return _only(finished([which], [found], robust=robust))
 
     try:
         from_zero = fitted(staged, solve(staged.model, staged.task))

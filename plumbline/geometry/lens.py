@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from math import isfinite
@@ -46,6 +46,33 @@ def _hidden_again(points: Array, hidden: NDArray[np.bool_] | None) -> Array:
     if hidden is None:
         return points
     return np.ma.masked_array(points, np.repeat(hidden[..., None], 2, axis=-1))
+
+
+_DECIMAL = "check the decimal dots"
+_LARGEST = 1e15
+"""Of a coefficient: chosen, because k3 of a telephoto lens, in focal lengths, reaches 1e10."""
+
+_FARTHEST = 10.0
+"""Of the distortion centre, in diagonals of the photo: chosen, because a crop that shows a tenth of
+the picture has its centre five away at most."""
+
+
+def refuse_impossible(coefficients: Iterable[float], centre_in_diagonals: float) -> None:
+    """Refuse the values of a lens that no photo was taken with, before overflow makes nonsense.
+
+    Args:
+        coefficients: Those of the model.
+        centre_in_diagonals: How far the distortion centre is from the middle of the photo.
+
+    Raises:
+        OptionError: one of them is impossibly large.
+    """
+    if any(not abs(value) <= _LARGEST for value in coefficients):
+        raise OptionError("a coefficient of the lens is impossibly large", hint=_DECIMAL)
+    if not centre_in_diagonals <= _FARTHEST:
+        raise OptionError(
+            "the distortion centre d, e is impossibly far outside of the photo", hint=_DECIMAL
+        )
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from plumbline.errors import OptionError
+from plumbline.errors import OptionError, refuse_other_type
 from plumbline.files import read_bytes, write_atomically
 from plumbline.geometry.lens import Lens
 from plumbline.imaging.borders import outside_of, with_alpha
@@ -105,6 +105,7 @@ def correct_array(pixels: Pixels, lens: Lens | Calibration | Correction, **setti
     Raises:
         OptionError: the array does not hold a picture, or a setting is unknown.
     """
+    refuse_other_type(pixels, np.ndarray, "an array of pixels", "give a NumPy array")
     if (
         pixels.ndim < 2
         or pixels.shape[2:] not in _CHANNELS

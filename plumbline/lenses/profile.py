@@ -17,6 +17,7 @@ import numpy as np
 
 from plumbline.errors import OptionError
 from plumbline.frame import Array, Frame
+from plumbline.geometry.lens import refuse_impossible
 from plumbline.lenses.correction import Correction
 from plumbline.lenses.mapping import TURNS, UPRIGHT, PhotoLens, Turn
 from plumbline.lenses.photo_history import history_notes, shape, whole_size
@@ -109,6 +110,9 @@ def laid_over(
     diagonal_px = float(np.hypot(*Frame(*whole, profile.pixel_aspect).square_size))
     _check_shape(profile, whole, request, notes)
     unit_px = profile.unit * diagonal_px * _crop_ratio(profile, photo, request, notes)
+    for centre in (profile.observed_centre, profile.ideal_centre):
+        far = float(np.hypot(*centre)) * unit_px / diagonal_px
+        refuse_impossible(profile.coefficients, far)
     turn, otherwise = _turns(profile, photo)
     mapped = PhotoLens(
         frame,

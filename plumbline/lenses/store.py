@@ -20,8 +20,8 @@ from plumbline.lenses.zoom.json import StoredZoom
 from plumbline.observations.facts import LensFacts
 from plumbline.photos.cameras import same_camera
 from plumbline.photos.exif import PhotoFacts
-from plumbline.result.calibration import refuse_unsettled
 from plumbline.result.files import consistent_results
+from plumbline.result.given import refuse_unsettled
 from plumbline.wording import listed
 
 _MOST_FILES = 10_000  # chosen to end in a folder that holds something else

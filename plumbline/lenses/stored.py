@@ -10,7 +10,8 @@ from plumbline.frame import Array
 from plumbline.geometry.lens import Lens
 from plumbline.observations import Observations
 from plumbline.observations.facts import LensFacts
-from plumbline.result.calibration import Calibration, refuse_unsettled
+from plumbline.result.calibration import Calibration
+from plumbline.result.given import refuse_unsettled
 
 
 @dataclass(frozen=True)

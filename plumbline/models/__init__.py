@@ -46,7 +46,7 @@ def get_model(name: str) -> Model:
         >>> get_model("radial:2,4").coefficients
         ('a2', 'a4')
     """
-    base, colon, powers = name.partition(":")
+    base, colon, powers = str(name).partition(":")
     if base not in MODELS or (colon and base != "radial"):
         raise UnsupportedModelError(
             f"{name!r} is not a distortion model",

@@ -16,9 +16,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from plumbline.errors import DegenerateLinesError, OptionError, ReadError
 from plumbline.frame import Array
+from plumbline.observations.arrays import lines_from_arrays, lines_from_grid, photo_and_lens
 from plumbline.observations.copies import counted_once, told
 from plumbline.observations.facts import LensFacts
 from plumbline.observations.picks import MAX_SIDE, Line, Origin, Photo
+from plumbline.observations.soundness import is_sound
 from plumbline.wording import count, listed
 
 __all__ = ["MAX_SIDE", "Line", "Observations", "Origin", "Photo"]
@@ -72,35 +74,45 @@ class Observations:
             >>> plumbline.Observations.from_arrays([edge], size=(400, 300)).n_points
             3
         """
-        arrays = list(lines)
-        names = range(1, len(arrays) + 1) if labels is None else labels
-        if len(names) != len(arrays):
-            raise OptionError(
-                f"there are {count(len(names), 'label')} for {count(len(arrays), 'line')}",
-                hint="give one label for each line, or none at all",
-            )
-        chosen: list[Line] = []
-        hidden = 0
-        for label, values in zip(map(str, names), arrays, strict=True):
-            try:
-                points = np.array(np.ma.getdata(values), dtype=np.float64)
-                seen = ~np.ma.getmaskarray(np.ma.asarray(values))
-            except (TypeError, ValueError) as error:
-                raise OptionError(f"line {label} is not an array of numbers: {error}") from None
-            if points.ndim == 3 and points.shape[1:] == (1, 2):
-                points = points[:, 0]  # as OpenCV has corners
-            if points.ndim != 2 or points.shape[1] != 2:
-                raise OptionError(
-                    f"line {label} has shape {points.shape}",
-                    hint="give one array of shape (n, 2), x and y in pixels, for each line",
-                )
-            shown = seen.reshape(points.shape).all(axis=1)
-            hidden += int(np.count_nonzero(~shown))
-            chosen.append(Line(points[shown], 0, label))
+        made, hidden = lines_from_arrays(lines, labels)
         notes = (f"{count(hidden, 'masked point')} left out",) if hidden else ()
-        facts = LensFacts(focal_px=None if focal_px is None else float(focal_px))
-        photo = Photo(size, pixel_aspect=pixel_aspect)
-        return cls((photo,), tuple(chosen), (facts,), notes).checked().counted_once()
+        photo, facts = photo_and_lens(size, focal_px, pixel_aspect)
+        return cls((photo,), made, (facts,), notes).checked().counted_once()
+
+    @classmethod
+    def from_grid(
+        cls,
+        points: ArrayLike,
+        size: tuple[int, int],
+        *,
+        focal_px: float | None = None,
+        pixel_aspect: float = 1.0,
+    ) -> Observations:
+        """Observations of one photo of a grid, such as the inner corners of a chequerboard.
+
+        Args:
+            points: Pixel coordinates, shape (rows, columns, 2); every row and column is a line.
+                Points that are NaN or masked are missing.
+            size: Width and height of the photo in pixels.
+            focal_px: Focal length in pixels, for the models that need it.
+            pixel_aspect: Width of one pixel over its height.
+
+        Raises:
+            OptionError: the array has another shape or holds infinity, or the size is not two
+                positive whole numbers.
+            DegenerateLinesError: no row or column has three points.
+
+        Example:
+            >>> import numpy, plumbline
+            >>> y, x = numpy.mgrid[100:1100:200, 100:1500:200]
+            >>> grid = numpy.stack((x, y), axis=-1)
+            >>> plumbline.Observations.from_grid(grid, size=(1600, 1200))
+            <Observations: 70 points on 12 lines in 1 photo>
+        """
+        made, missing = lines_from_grid(points)
+        notes = (f"{count(missing, 'point')} of the grid missing",) if missing else ()
+        photo, facts = photo_and_lens(size, focal_px, pixel_aspect)
+        return cls((photo,), made, (facts,), notes).checked().counted_once()
 
     @classmethod
     def side_by_side(cls, parts: Sequence[Observations]) -> Observations:
@@ -129,7 +141,7 @@ class Observations:
         """Number of points on all lines."""
         return int(self.sizes.sum())
 
-    @property
+    @cached_property
     def centred_px(self) -> Array:
         """All points line after line, in square pixels from their photos' centres, (n, 2)."""
         parts: list[Array] = []
@@ -196,6 +208,8 @@ class Observations:
             DegenerateLinesError: no line is left.
         """
         photos = tuple(photo.checked(self.named) for photo in self.photos)
+        if not singly and is_sound(self.lines, photos, ideal=ideal):
+            return replace(self, photos=photos)
         notes = list(self.notes)
         kept: list[Line] = []
         short: list[str] = []

@@ -76,7 +76,7 @@ class Photo:
         if not all(0 < side <= MAX_SIDE and side == int(side) for side in size):
             raise OptionError(
                 f"{where}the size {width}x{height}{name} is impossible",
-                hint="give the size in pixels as --size WIDTHxHEIGHT",
+                hint="give width and height in whole pixels, such as 6000x4000",
             )
         if not 0.01 <= self.pixel_aspect <= 100:
             raise OptionError(

@@ -65,7 +65,7 @@ def read(
     """
     if grid is not None and min(grid) < 2:
         raise OptionError("a grid has at least two rows and two columns", hint="as --grid 7x9")
-    files = [path] if isinstance(path, (str, Path)) else list(path)
+    files = [path] if isinstance(path, (str, Path)) else _several(path)
     if not files:
         raise OptionError("no file is named", hint="name at least one file of points")
     for index, file in enumerate(files):
@@ -91,6 +91,15 @@ def read(
         part = part.checked(ideal=ideal, singly=singly)
         parts.append(part if singly else part.counted_once())
     return join(parts)
+
+
+def _several(paths: Sequence[str | Path]) -> list[str | Path]:
+    try:
+        return list(paths)
+    except TypeError:
+        raise OptionError(
+            f"a file name expected, not {type(paths).__name__}", hint="give a str or a Path"
+        ) from None
 
 
 def _with_photos(

@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from plumbline.errors import WriteError
-from plumbline.files import refuse_to_clobber, refuse_unknown_suffix, write_atomically
+from plumbline.files import as_path, refuse_to_clobber, refuse_unknown_suffix, write_atomically
 from plumbline.report.photos import FoundPhotos, find_photos
-from plumbline.result.calibration import Calibration, refuse_unsettled
+from plumbline.result.calibration import Calibration
+from plumbline.result.given import as_calibrations, refuse_unsettled
 
 if TYPE_CHECKING:
     from plumbline.report.figures import Subject
@@ -78,13 +79,15 @@ def figure_bytes(subject: Subject, target: Path) -> bytes:
     Raises:
         WriteError: the name says neither.
     """
-    from plumbline.report.figures import FIGURES, style
+    from plumbline.report.figures import FIGURES, encoding, style
 
     name = figure_name(target)
     with style.drawing():
         figure = FIGURES[name](subject)
         return (
-            style.png_bytes(figure) if target.suffix.lower() == ".png" else style.svg_bytes(figure)
+            encoding.png_bytes(figure)
+            if target.suffix.lower() == ".png"
+            else encoding.svg_bytes(figure)
         )
 
 
@@ -173,10 +176,10 @@ def write_report(
         ReadError: the photograph cannot be read.
         UnsettledError: a fit did not reach a minimum.
     """
-    calibrations = [result] if isinstance(result, Calibration) else list(result)
+    calibrations, target = as_calibrations(result), as_path(path)
     contents, _ = report_contents(
         calibrations,
-        str(path),
+        str(target),
         (),
         comparisons=comparisons,
         photo=None if photo is None else str(photo),
@@ -185,4 +188,4 @@ def write_report(
         overwrite=overwrite,
     )
     write_atomically(contents)
-    return Path(path)
+    return target

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from plumbline._version import __version__
-from plumbline.errors import UnsettledError
 from plumbline.frame import Array
 from plumbline.geometry.finding import Finding
 from plumbline.geometry.lens import Lens
@@ -25,10 +25,19 @@ from plumbline.trust.linearised import Linearised
 from plumbline.trust.model_error import ModelError
 from plumbline.trust.placement import before_fit
 from plumbline.trust.quoted import Quoted
-from plumbline.trust.straightness import LineStraightness, largest, rms, straightness_before
+from plumbline.trust.straightness import (
+    LineStraightness,
+    largest,
+    line_by_line,
+    rms,
+    straightness_before,
+)
 from plumbline.trust.student import quantile
 from plumbline.trust.suspect import Suspect
 from plumbline.trust.verdicts import after_fit, doubt
+
+if TYPE_CHECKING:
+    from plumbline.report.notebook import Plots
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -91,6 +100,19 @@ class Calibration:
         state = f"{self.rms_after_px:.3g} px rms" if self.converged else "not converged"
         return f"<Calibration: {self.model} {values or 'held'}; {state}; {self.observations!r}>"
 
+    def _repr_html_(self) -> str:
+        """The finding and the coefficients, for a notebook."""
+        from plumbline.report.notebook import html_of
+
+        return html_of(self)
+
+    @property
+    def plot(self) -> Plots:
+        """Its figures, as in `calibration.plot.curve()`."""
+        from plumbline.report.notebook import Plots
+
+        return Plots(self)
+
     @property
     def model(self) -> str:
         """Name of the distortion model."""
@@ -140,6 +162,8 @@ class Calibration:
     @property
     def kept_observations(self) -> Observations:
         """The observations without the picks that were left out, and lines too short then."""
+        if all(map(np.all, self.kept)):
+            return self.observations
         fewer = [
             replace(line, points_px=line.points_px[kept], rows=None)
             for line, kept in zip(self.observations.lines, self.kept, strict=True)
@@ -248,18 +272,10 @@ class Calibration:
         """Residuals and their derivatives at the result."""
         return self.trust.linearised
 
-    @property
+    @cached_property
     def lines(self) -> tuple[LineStraightness, ...]:
         """Straightness of every line; one left out as a whole is measured nevertheless."""
-        measured: list[LineStraightness] = []
-        for line, before, after, kept in zip(
-            self.observations.lines, self.before_px, self.residuals_px, self.kept, strict=True
-        ):
-            which = kept if kept.any() else ~kept
-            numbers = (rms([before[which]]), rms([after[which]]), largest([after[which]]))
-            count = int(np.count_nonzero(kept))
-            measured.append(LineStraightness(line.label, line.photo, count, *numbers))
-        return tuple(measured)
+        return line_by_line(self.observations, self.before_px, self.residuals_px, self.kept)
 
     @property
     def _straight(self) -> tuple[LineStraightness, ...]:
@@ -268,25 +284,4 @@ class Calibration:
 
     def _fitted(self, values: Sequence[Array]) -> list[Array]:
         """The values of the picks that were fitted."""
-        return [each[kept] for each, kept in zip(values, self.kept, strict=True) if kept.any()]
-
-
-def refuse_unsettled(calibrations: Sequence[Calibration]) -> None:
-    """Refuse fits that did not reach a minimum.
-
-    Raises:
-        UnsettledError: there is one; the sentence names its worst line.
-    """
-    for calibration in calibrations:
-        if calibration.converged:
-            continue
-        worst = max(
-            (line for line in calibration.lines if not line.left_out),
-            key=lambda line: line.rms_after_px,
-        )
-        raise UnsettledError(
-            f"{calibration.observations.named}the fit did not converge: {calibration.reason}; line "
-            f"{worst.label} is farthest from straight, by {worst.rms_after_px:.3g} px (rms)",
-            hint="check that every pick is on its line and that the photo's size (and --grid) is "
-            "right",
-        )
+        return [np.concatenate(values)[np.concatenate(self.kept)]]

@@ -43,7 +43,7 @@ def to_json(calibrations: Sequence[Calibration]) -> str:
     records = tuple(record_of(calibration) for calibration in calibrations)
     if len(records) == 1:
         return record_text(records[0])
-    return record_text(ResultsRecord(**_head(), calibrations=records))
+    return record_text(ResultsRecord(**_head(), calibrations=records), depth=5)
 
 
 def _head() -> dict[str, Any]:

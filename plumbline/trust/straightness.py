@@ -55,12 +55,43 @@ def straightness_before(
     return by_line(lines.place(points, line_numbers(sizes))[1], sizes)
 
 
+def line_by_line(
+    observations: Observations,
+    before_px: Sequence[Array],
+    after_px: Sequence[Array],
+    kept: Sequence[NDArray[np.bool_]],
+) -> tuple[LineStraightness, ...]:
+    """Straightness of every line; one left out as a whole is measured nevertheless.
+
+    Args:
+        observations: The picks.
+        before_px: Their distances from straight lines before the fit, one array a line.
+        after_px: Their residuals, likewise.
+        kept: Which of them were fitted.
+    """
+    sizes = np.array([len(values) for values in after_px])
+    starts, fitted = np.cumsum(sizes) - sizes, np.concatenate(kept)
+    counted = drawn_through(fitted, sizes)
+    before, after = (
+        np.where(counted, np.abs(np.concatenate(values)), 0.0) for values in (before_px, after_px)
+    )
+    number = np.add.reduceat(counted.astype(np.float64), starts)
+    columns = (
+        np.add.reduceat(fitted.astype(np.int64), starts),
+        np.sqrt(np.add.reduceat(before**2, starts) / number),
+        np.sqrt(np.add.reduceat(after**2, starts) / number),
+        np.maximum.reduceat(after, starts),
+    )
+    every = zip(observations.lines, *(column.tolist() for column in columns), strict=True)
+    return tuple(LineStraightness(line.label, line.photo, *each) for line, *each in every)
+
+
 def rms(arrays: Sequence[Array]) -> float:
     """Root mean square over all arrays."""
-    total = sum(float(values @ values) for values in arrays)
-    return float(np.sqrt(total / sum(len(values) for values in arrays)))
+    values = np.concatenate(arrays)
+    return float(np.sqrt(values @ values / len(values)))
 
 
 def largest(arrays: Sequence[Array]) -> float:
     """Largest absolute value over all arrays."""
-    return max(float(np.max(np.abs(values))) for values in arrays)
+    return float(np.max(np.abs(np.concatenate(arrays))))

@@ -7,6 +7,7 @@ refuses all of them refuse.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from plumbline.errors import OptionError
@@ -15,6 +16,7 @@ from plumbline.frame import Frame
 from plumbline.geometry.lens import Lens
 from plumbline.observations import Observations
 from plumbline.observations.facts import LensFacts, best_crop_factor, checked_aspect_ratio
+from plumbline.writing.labels import spelt
 
 
 def lensfun_head(
@@ -37,11 +39,13 @@ def lensfun_head(
         OptionError: the crop factor is not known, crop factors differ, or the user's aspect
             ratio contradicts the photo's.
     """
+    known = crop_factor(every)
+    labels = spelt(replace(every[0], crop_factor=known)).facts
     return LensfunLens(
-        maker=every[0].maker or "Unknown",
-        model=name,
-        mount=every[0].mount or "Generic",
-        crop_factor=crop_factor(every),
+        maker=labels.maker or "Unknown",
+        model=labels.model if labels.model and labels.model != every[0].model else name,
+        mount=labels.mount or "Generic",
+        crop_factor=labels.crop_factor or known,
         aspect_ratio=aspect_ratio(every[0], frame),
         centre=centre,
         comment=comment,

@@ -13,6 +13,7 @@ from plumbline.observations.facts import LensFacts, best_crop_factor
 from plumbline.result.calibration import Calibration
 from plumbline.wording import count
 from plumbline.writing.head import aspect_ratio, centre_of, focal_mm, lens_name, lensfun_head
+from plumbline.writing.labels import spelt
 
 _SAME_SHAPE = 0.02
 """Relative; chosen, cameras cut a few pixels off 3:2 and 4:3."""
@@ -92,7 +93,8 @@ def _name(calibration: Calibration) -> str:
 
 def label_notes(calibrations: Sequence[Calibration]) -> list[str]:
     """What of a LensFun lens was not known and fell back, or is rounded, in plain sentences."""
-    facts = _facts_of(calibrations[0])
+    labels = spelt(_facts_of(calibrations[0]))
+    facts = labels.facts
     best = best_crop_factor(_facts(calibrations))
     notes: list[str] = []
     if not facts.maker:
@@ -108,7 +110,7 @@ def label_notes(calibrations: Sequence[Calibration]) -> list[str]:
         )
     if not facts.mount:
         notes.append("the mount is not known and written as Generic (--mount)")
-    return notes
+    return [*notes, *labels.notes]
 
 
 def _comment(calibrations: Sequence[Calibration]) -> str:

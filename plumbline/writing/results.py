@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from plumbline.errors import OptionError, UnsupportedModelError, WriteError
+from plumbline.errors import OptionError, UnsupportedModelError, WriteError, refuse_other_type
 from plumbline.files import (
     MARK,
+    as_path,
     read_bytes,
     refuse_to_clobber,
     refuse_unknown_suffix,
@@ -17,7 +18,8 @@ from plumbline.files import (
 from plumbline.formats.known import suffixes
 from plumbline.formats.panotools.pto_writing import new_project, rewritten
 from plumbline.observations import Observations, Origin
-from plumbline.result.calibration import Calibration, refuse_unsettled
+from plumbline.result.calibration import Calibration
+from plumbline.result.given import as_calibrations, refuse_unsettled
 from plumbline.result.writing import to_json
 from plumbline.wording import count
 from plumbline.writing.lensfun import lensfun_bytes
@@ -48,8 +50,7 @@ def write(
         OptionError: LensFun needs a focal length or a crop factor that is not known.
         UnsettledError: a fit did not reach a minimum; only JSON holds it.
     """
-    calibrations = [result] if isinstance(result, Calibration) else list(result)
-    target = Path(path)
+    calibrations, target = as_calibrations(result), as_path(path)
     write_atomically({target: result_bytes(calibrations, target, overwrite=overwrite)})
     return target
 
@@ -116,7 +117,8 @@ def write_points(observations: Observations, path: str | Path, *, overwrite: boo
         WriteError: the file exists and is not marked as plumbline's, or cannot be written.
         OptionError: a CSV would mix the lines of several lenses.
     """
-    target = Path(path)
+    refuse_other_type(observations, Observations, "Observations", "read them with plumbline.read")
+    target = as_path(path)
     write_atomically({target: points_bytes(observations, target, overwrite=overwrite)})
     return target
 

@@ -32,8 +32,9 @@ from plumbline.lenses.zoom.needs import displacement_px
 from plumbline.lenses.zoom.zoom_lens import ZoomLens
 from plumbline.models import CENTRE
 from plumbline.reading.gathering import labelled
-from plumbline.result.calibration import Calibration, refuse_unsettled
+from plumbline.result.calibration import Calibration
 from plumbline.result.files import consistent_results
+from plumbline.result.given import refuse_unsettled
 from plumbline.wording import count
 from plumbline.writing.head import lens_name, lensfun_head
 

@@ -29,6 +29,7 @@ from tests.benchmarks.groups import ALIKE
 from tests.benchmarks.simulated import Group
 from tests.benchmarks.spoiling import bent
 from tests.benchmarks.trials import Fitted, fit_trials
+from tests.many import all_calibrated
 from tests.truth import Array
 
 LEAST = 0.90
@@ -85,7 +86,7 @@ def leave_one_out(made: plumbline.Calibration) -> Jackknifed:
         replace(made.observations, lines=(*lines[:left], *lines[left + 1 :]))
         for left in range(len(lines))
     ]
-    fits = plumbline.calibrate_many(fewer, made.model, free=made.free)
+    fits = all_calibrated(fewer, made.model, free=made.free)
     found = np.array([[fit.coefficients[name] for name in made.free] for fit in fits])
     gap = found - found.mean(axis=0)
     return Jackknifed((len(lines) - 1) / len(lines) * gap.T @ gap, len(lines) - 1)

@@ -25,6 +25,7 @@ from lxml import etree  # pyright: ignore[reportAttributeAccessIssue]
 from numpy.typing import NDArray
 
 import plumbline
+from tests.many import all_calibrated
 
 Array = NDArray[np.float64]
 
@@ -175,8 +176,8 @@ def run(entries: Sequence[Entry], *, noise_px: float = 0.3) -> Outcome:
     """Calibrate every entry without and with noise."""
     usable = [(entry, corner) for entry in entries if (corner := ideal_corner(entry))]
     began = time.perf_counter()
-    exact = plumbline.calibrate_many(observations(usable, 0.0))
-    noisy = plumbline.calibrate_many(observations(usable, noise_px))
+    exact = all_calibrated(observations(usable, 0.0))
+    noisy = all_calibrated(observations(usable, noise_px))
     seconds = time.perf_counter() - began
     errors = [
         curve_error_px(entry, [made.coefficients[n] for n in "abc"], corner)

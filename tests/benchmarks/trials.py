@@ -41,32 +41,22 @@ def fit_trials(group: Group, picks_px: Array) -> Fitted:
         group: The group.
         picks_px: Picks of the trials, shape (trials, n, 2).
     """
-    outcomes: list[plumbline.Calibration | str] = []
+    outcomes: list[plumbline.Calibration | plumbline.PlumblineError] = []
     for first in range(0, len(picks_px), _AT_ONCE):
         some = [observations(group, points) for points in picks_px[first : first + _AT_ONCE]]
-        try:
-            outcomes += plumbline.calibrate_many(some, group.model, free=group.free)
-        except plumbline.PlumblineError:
-            outcomes += [_fit_one(group, each) for each in some]
+        outcomes += plumbline.calibrate_many(some, group.model, free=group.free)
     good: list[plumbline.Calibration] = []
     numbers: list[int] = []
     failures: list[tuple[int, str]] = []
     for number, outcome in enumerate(outcomes):
-        if isinstance(outcome, str):
-            failures.append((number, outcome))
+        if isinstance(outcome, plumbline.PlumblineError):
+            failures.append((number, outcome.message))
         elif not outcome.converged:
             failures.append((number, outcome.reason))
         else:
             good.append(outcome)
             numbers.append(number)
     return Fitted(len(outcomes), tuple(good), tuple(numbers), tuple(failures))
-
-
-def _fit_one(group: Group, picked: plumbline.Observations) -> plumbline.Calibration | str:
-    try:
-        return plumbline.calibrate(picked, group.model, free=group.free)
-    except plumbline.PlumblineError as error:
-        return error.message
 
 
 def of(fits: Sequence[plumbline.Calibration]) -> list[dict[str, float]]:

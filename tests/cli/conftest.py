@@ -17,6 +17,7 @@ def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureF
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "unraisablehook", sys.unraisablehook)
     monkeypatch.setenv("COLUMNS", "100")
+    monkeypatch.setattr(sys, "warnoptions", ["error"])  # the command would ignore warnings
 
     def call(*words: object) -> Result:
         monkeypatch.setattr(sys, "argv", ["plumbline", *map(str, words)])

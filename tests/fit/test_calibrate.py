@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import plumbline
-from plumbline import Observations, calibrate, calibrate_many
+from plumbline import Observations, calibrate
 from plumbline.errors import (
     CollapsedFitError,
     DegenerateLinesError,
@@ -30,6 +30,7 @@ from plumbline.observations import Line, Photo
 from plumbline.observations.facts import LensFacts
 from plumbline.result.calibration import Calibration
 from tests import truth
+from tests.many import all_calibrated
 from tests.truth import TrueLens
 
 Array = truth.Array
@@ -319,7 +320,7 @@ def test_sheared_and_fisheye_photos_are_refused() -> None:
 def repeated() -> list[Calibration]:
     """The same lens, picked 64 times over with 0.5 px of noise."""
     lens = TrueLens("ptlens", MILD)
-    return calibrate_many([picked(lens, noise_px=0.5, seed=seed) for seed in range(64)])
+    return all_calibrated([picked(lens, noise_px=0.5, seed=seed) for seed in range(64)])
 
 
 def test_sigma_is_the_noise_of_the_picks() -> None:
@@ -502,43 +503,6 @@ def test_collapses_are_told_apart() -> None:
     away = Lens(MODELS["brown"], frame, zero | {"d": 2160 - 319.5, "e": 2299 - 239.5})
     with pytest.raises(CollapsedFitError, match=r"centre at \(2160, 2299\), outside the 640x480"):
         refuse_collapsed(away, 1.0, 0)
-
-
-# Many at once
-
-
-def test_many_are_as_one_by_one_and_in_order() -> None:
-    lenses = [
-        TrueLens("ptlens", ACTION_CAMERAS[0]),
-        TrueLens("ptlens", MILD, (1920, 1080)),
-        TrueLens("ptlens", {"a": 0.01, "b": 0.03, "c": 0.0}, (1200, 1600)),
-    ]
-    observed = [picked(lens, noise_px=0.4, seed=i) for i, lens in enumerate(lenses)]
-    few = Observations.from_arrays(lenses[1].lines(8, noise_px=0.4), lenses[1].size)  # 16 rows
-    observed.insert(1, few)
-    together = calibrate_many(observed)
-    assert [made.observations for made in together] == observed
-    for made, obs in zip(together, observed, strict=True):
-        alone = calibrate(obs)
-        grid = truth.grid_px(made.lens.frame.size)
-        apart = np.abs(made.lens.undistort(grid) - alone.lens.undistort(grid))
-        assert np.max(apart) < 1e-9
-        for one, other in zip(made.residuals_px, alone.residuals_px, strict=True):
-            np.testing.assert_allclose(one, other, rtol=0, atol=1e-9)
-        np.testing.assert_allclose(made.covariance, alone.covariance, rtol=1e-6)
-        assert (made.free, made.dof, made.converged) == (alone.free, alone.dof, alone.converged)
-
-
-def test_no_lens_of_many_is_no_calibration() -> None:
-    assert calibrate_many([]) == []
-
-
-def test_an_error_names_which_of_many() -> None:
-    good = picked(TrueLens("ptlens", MILD))
-    with pytest.raises(OptionError, match=r"^lens 2: .*marked as fisheye"):
-        calibrate_many([good, good, picked(TrueLens("ptlens", MILD), projection="fisheye")])
-    with pytest.raises(DegenerateLinesError, match=r"^lens 1: "):
-        calibrate_many([good, Observations.from_arrays(radiating(), (3000, 2250))])
 
 
 def test_fits_are_the_same_every_time() -> None:

@@ -66,6 +66,86 @@ def test_numbers_of_numpy_become_plain_ones() -> None:
     assert [type(number) for number in numbers] == [int, int, float, float]
 
 
+def grid(rows: int, columns: int) -> np.ndarray[Any, Any]:
+    """Places of a grid, shape (rows, columns, 2)."""
+    y, x = np.meshgrid(20 + 25.0 * np.arange(rows), 10 + 30.0 * np.arange(columns), indexing="ij")
+    return np.stack((x, y), axis=-1)
+
+
+@pytest.mark.parametrize("n", [(3, 3), (4, 7), (9, 3)])
+def test_a_grid_is_its_rows_and_columns(n: tuple[int, int]) -> None:
+    points = grid(*n)
+    obs = Observations.from_grid(points, SIZE, focal_px=500.0, pixel_aspect=1.25)
+    rows, columns = [f"row {i + 1}" for i in range(n[0])], [f"column {i + 1}" for i in range(n[1])]
+    assert [line.label for line in obs.lines] == [*rows, *columns]
+    for line, values in zip(obs.lines, [*points, *points.transpose(1, 0, 2)], strict=True):
+        np.testing.assert_array_equal(line.points_px, values)
+    assert (obs.photos[0].pixel_aspect, obs.lenses[0].focal_px, obs.notes) == (1.25, 500.0, ())
+
+
+@pytest.mark.parametrize("how", ["nan", "masked"])
+def test_points_that_a_grid_lacks_are_left_out(how: str) -> None:
+    points: Any = grid(5, 6)
+    points[1, 2, 0] = np.nan
+    points[4, :4] = np.nan
+    if how == "masked":
+        points = np.ma.masked_array(np.nan_to_num(points, nan=7.0), np.isnan(points))
+    obs = Observations.from_grid(points, SIZE)
+    sizes = {line.label: len(line.points_px) for line in obs.lines}
+    assert sizes == {
+        "row 1": 6,
+        "row 2": 5,
+        "row 3": 6,
+        "row 4": 6,  # two points of row 5 are no line
+        **{f"column {i}": size for i, size in enumerate((4, 4, 3, 4, 5, 5), 1)},
+    }
+    assert obs.notes[0] == "5 points of the grid missing"
+
+
+@pytest.mark.parametrize(
+    "points", [grid(3, 4).reshape(-1, 2), grid(3, 4)[..., :1], [], 7.0, "abc"], ids=str
+)
+def test_another_shape_is_no_grid(points: Any) -> None:
+    with pytest.raises(OptionError, match="the grid") as caught:
+        Observations.from_grid(points, SIZE)
+    assert "--" not in caught.value.hint
+
+
+WRONG: dict[str, Any] = {
+    "lines": 3,
+    "a line": [EDGE, 3],
+    "words": ["abc"],
+    "objects": [[object(), object()]],
+    "complex": [np.array(EDGE) * 1j],
+    "ragged": [[[1.0, 2.0], [3.0]]],
+    "three numbers": [[(1.0, 2.0, 3.0)] * 4],
+}
+
+
+@pytest.mark.parametrize("lines", WRONG.values(), ids=WRONG)
+def test_lines_of_another_type_are_refused_in_words_of_python(lines: Any) -> None:
+    with pytest.raises(OptionError) as caught:
+        Observations.from_arrays(lines, SIZE)
+    assert "--" not in f"{caught.value} {caught.value.hint}"
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        *({"size": size} for size in (None, 400, ("a", "b"), "400x300", (0, 300), (4e6, 9))),
+        {"labels": 3},
+        {"focal_px": "x"},
+        {"pixel_aspect": "x"},
+        {"pixel_aspect": None},
+    ],
+    ids=str,
+)
+def test_other_arguments_of_another_type_likewise(more: dict[str, Any]) -> None:
+    with pytest.raises(OptionError) as caught:
+        Observations.from_arrays([EDGE, LOWER], **{"size": SIZE, **more})
+    assert "--" not in f"{caught.value} {caught.value.hint}"
+
+
 @pytest.mark.parametrize("size", [(400, 300, 3), (400,), ()])
 def test_a_size_is_two_numbers(size: Any) -> None:
     with pytest.raises(OptionError, match="is not a width and a height") as caught:

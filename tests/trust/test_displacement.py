@@ -16,6 +16,7 @@ from plumbline.trust.displacement import Displacement, difference_px, displaceme
 from tests import truth
 from tests.benchmarks.lensfun_recovery import Entry, ideal_corner, lines_of
 from tests.fit.test_calibrate import picked
+from tests.many import all_calibrated
 from tests.truth import TrueLens
 
 ENTRY = Entry("a wide zoom", (0.0244, -0.0649, 0.0015), 1.5)
@@ -38,7 +39,7 @@ def test_errors_are_the_scatter_of_repeated_fits(free: tuple[str, ...]) -> None:
     assert corner
     rng = np.random.default_rng(11)
     clean = [np.clip(line, 3, np.array(ENTRY.size) - 4) for line in lines_of(ENTRY, corner)]
-    made = plumbline.calibrate_many(
+    made = all_calibrated(
         [
             plumbline.Observations.from_arrays(
                 [line + rng.normal(0, NOISE_PX, line.shape) for line in clean], ENTRY.size

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import plumbline
-from plumbline import Observations, calibrate, calibrate_many
+from plumbline import Observations, calibrate
 from plumbline.trust.displacement import grid_px
 from plumbline.trust.jackknife import jackknife
 from plumbline.trust.model_error import model_error
@@ -18,6 +18,7 @@ from tests.benchmarks.groups import DENSE, lens
 from tests.benchmarks.simulated import Group
 from tests.benchmarks.spoiling import bent
 from tests.fit.test_calibrate import MILD, picked
+from tests.many import all_calibrated
 from tests.truth import Array, TrueLens
 
 BARREL = {"a": 0.02, "b": -0.09, "c": -0.02}
@@ -94,7 +95,7 @@ def test_the_error_of_the_models_error_is_its_scatter() -> None:
     """Fits of b alone, which is right, and of a, b, c, 128 times over."""
     true = TrueLens("ptlens", {"a": 0.0, "b": -0.05, "c": 0.0})
     every = [picked(true, noise_px=0.5, seed=seed) for seed in range(128)]
-    pairs = list(zip(calibrate_many(every, free=("b",)), calibrate_many(every), strict=True))
+    pairs = list(zip(all_calibrated(every, free=("b",)), all_calibrated(every), strict=True))
     points = grid_px(pairs[0][0].lens)
     told = [made.model_error for made, _ in pairs]
     assert all(each is not None for each in told)

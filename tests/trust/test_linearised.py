@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from plumbline import calibrate, calibrate_many
+from plumbline import calibrate
 from plumbline.frame import Frame
 from plumbline.geometry.lens import Lens
 from plumbline.models import CENTRE, get_model
@@ -17,6 +17,7 @@ from plumbline.trust.assessment import ResidualKind
 from plumbline.trust.linearised import Linearised, in_frame, linearise
 from tests import truth
 from tests.fit.test_calibrate import LENSES, MILD, picked
+from tests.many import all_calibrated
 from tests.truth import Array, TrueLens
 
 BARREL = {"a": 0.02, "b": -0.09, "c": -0.02}
@@ -138,7 +139,7 @@ def test_one_step_without_each_line_is_nearly_the_refit() -> None:
     shifts = made.linearised.without_each_line()
     assert shifts is not None
     lines = made.observations.lines
-    refits = calibrate_many(
+    refits = all_calibrated(
         [replace(made.observations, lines=(*lines[:i], *lines[i + 1 :])) for i in range(len(lines))]
     )
     real = np.array(

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 
-from plumbline import Observations, calibrate, calibrate_many
+from plumbline import Observations, calibrate
 from plumbline.trust.student import widening
 from tests.benchmarks.groups import FACADE, GRID, lens
 from tests.benchmarks.simulated import Group
 from tests.benchmarks.spoiling import bent
+from tests.many import all_calibrated
 
 TRIALS = 40
 
 
 def alarms(group: Group, picks_px: np.ndarray) -> float:
     some = [Observations.from_arrays(group.by_line(p), group.lens.size) for p in picks_px]
-    every = [made.trust.steadiness for made in calibrate_many(some)]
+    every = [made.trust.steadiness for made in all_calibrated(some)]
     return float(np.mean([each.alarmed for each in every if each is not None]))
 
 

@@ -249,7 +249,7 @@ def test_labels_and_what_is_missing(tmp_path: Path) -> None:
         export_file(path, "lensfun", None, None, {"crop_factor": 1.5})
     facts = {"focal_mm": 18.0, "crop_factor": 1.5, "model": "My lens", "maker": "Me"}
     content = export_file(path, "lenses-txt", None, None, facts).content.decode()
-    assert "My lens: Me, Generic, 1.5, 4:3" in content
+    assert "My lens: Me, nikon995, 1.5, 4:3" in content
     assert "distortion(18mm) = 0.000000000, -0.020000000, 0.000000000" in content
 
 

@@ -14,8 +14,9 @@ from plumbline.errors import printable
 from plumbline.files import refuse_unknown_suffix
 from plumbline.report.terminal.summary import WideConsole, print_summary
 from plumbline.result.calibration import Calibration
+from plumbline.result.given import refuse_unsettled
 from plumbline.writing.beside import command_line, write_results
-from plumbline.writing.results import RESULT_SUFFIXES, refuse_unsettled
+from plumbline.writing.results import RESULT_SUFFIXES
 
 if TYPE_CHECKING:
     from rich.console import Console

@@ -27,7 +27,7 @@ import numpy as np
 from jax import export
 from platformdirs import user_cache_path
 
-from plumbline.errors import WriteError
+from plumbline.errors import PlumblineError, WriteError
 from plumbline.files import write_atomically
 from plumbline.fit.program.blocks import Block
 from plumbline.fit.program.task import EMPTY_TASK, FitTask, Residuals, Solution
@@ -81,11 +81,31 @@ def program(model: Model, task: FitTask, batch: int | None) -> Callable[[FitTask
         batch: How many problems the program takes at once; None for one without that axis.
 
     Call it, and its result, with 64-bit numbers enabled (`jax.enable_x64`).
+
+    Raises:
+        PlumblineError: this process was forked from one that has fitted.
     """
+    _refuse_forked()
     shapes = tuple((leaf.shape, str(leaf.dtype)) for leaf in jax.tree.leaves(task))
     fit = Fit(model, bool(np.any(task.free[..., -len(CENTRE) :])))
     with _making((fit, shapes, batch)):
         return _program(fit, shapes, batch)
+
+
+@cache
+def _first_process() -> int:
+    """The process that fitted first; a fork inherits the answer, and none of JAX's threads."""
+    return os.getpid()
+
+
+def _refuse_forked() -> None:
+    """Refuse what would wait for ever for threads that are not there."""
+    if _first_process() != os.getpid():
+        raise PlumblineError(
+            "this process was forked from one that has fitted, and JAX's threads stayed behind",
+            hint='start processes with multiprocessing.get_context("spawn"), or fork before the '
+            "first fit",
+        )
 
 
 @cache

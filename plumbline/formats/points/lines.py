@@ -111,7 +111,8 @@ class LineGatherer:
         given = np.asarray(points, dtype=np.float64).reshape(-1, 2)
         numbers = None
         if rows is not None:
-            numbers = np.broadcast_to(np.asarray(rows, dtype=np.int64), len(given)).copy()
+            numbers = np.empty(len(given), dtype=np.int64)
+            numbers[:] = rows
         finite = np.isfinite(given).all(axis=1)
         if not finite.all():
             worst = int(np.argmin(finite))

@@ -12,7 +12,7 @@ from plumbline.frame import Array, Frame
 from plumbline.geometry.lens import Lens
 from plumbline.report.figures import style
 from plumbline.report.figures.photo import CASING, blank, cased, page_size
-from plumbline.report.figures.subject import Subject, drawn_lines, seen
+from plumbline.report.figures.subject import Subject, drawn_lines, seen, share_drawn
 from plumbline.report.photos import ShownPhoto
 
 
@@ -22,7 +22,8 @@ def corrected(subject: Subject) -> Any:
 
     calibration, index = subject.calibration, subject.photo
     frame = calibration.observations.photos[index].frame
-    lines = [line for line in drawn_lines(calibration) if line.photo == index]
+    drawn = drawn_lines(calibration)
+    lines = [line for line in drawn if line.photo == index]
     figure = style.sheet(*page_size(frame))
     axes = figure.subplots()
     blank(axes, frame, _pixels(calibration.lens, frame, subject.picture))
@@ -51,7 +52,7 @@ def corrected(subject: Subject) -> Any:
         linestyle="none",
         rasterized=raster,
         zorder=4,
-        label="picks, corrected",
+        label=f"picks, corrected{share_drawn(calibration, drawn)}",
     )
     figure.legend(loc="outside upper left", ncols=2, handlelength=1.6, columnspacing=1.6)
     return figure

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from plumbline.frame import Array, Frame
 from plumbline.report.figures import style
-from plumbline.report.figures.subject import Drawn, Subject, drawn_lines, round_factor
+from plumbline.report.figures.subject import Drawn, Subject, drawn_lines, round_factor, share_drawn
 
 _TALLEST = 8.0
 """Inches; chosen, a portrait photo with its caption fits a page of A4."""
@@ -26,7 +26,8 @@ def photo(subject: Subject) -> Any:
 
     calibration = subject.calibration
     frame = calibration.observations.photos[subject.photo].frame
-    lines = [line for line in drawn_lines(calibration) if line.photo == subject.photo]
+    drawn = drawn_lines(calibration)
+    lines = [line for line in drawn if line.photo == subject.photo]
     figure = style.sheet(*page_size(frame))
     axes = figure.subplots()
     blank(axes, frame, None if subject.picture is None else subject.picture.pixels)
@@ -59,7 +60,12 @@ def photo(subject: Subject) -> Any:
     dots: dict[str, Any] = {"linestyle": "none", "rasterized": raster, "zorder": 4}
     look: dict[str, Any] = {"mfc": CASING, "mec": "white", "mew": 0.8 * thin}
     axes.plot(
-        *kept.T, "o", ms=3.2 * thin, label="picks" if lines_of_a_fit else "matches", **look, **dots
+        *kept.T,
+        "o",
+        ms=3.2 * thin,
+        label=("picks" if lines_of_a_fit else "matches") + share_drawn(calibration, drawn),
+        **look,
+        **dots,
     )
     if len(out):
         axes.plot(
@@ -114,11 +120,12 @@ def _points(lines: list[Drawn], *, kept: bool) -> Array:
 
 
 def _suspects(axes: Any, subject: Subject, lines: list[Drawn], *, raster: bool) -> None:
-    drawn = {line.index: line for line in lines}
+    drawn = {line.index for line in lines}
     named = [each for each in subject.calibration.suspects if each.line in drawn]
     if not named:
         return
-    rings = np.concatenate([drawn[each.line].observed_px[list(each.picks)] for each in named])
+    every = subject.calibration.observations.lines
+    rings = np.concatenate([every[each.line].points_px[list(each.picks)] for each in named])
     for width, colour, label in ((3.0, CASING, None), (1.5, style.YELLOW, "suspicious")):
         look = {
             "mfc": "none",

@@ -10,7 +10,7 @@ import numpy as np
 
 from plumbline.frame import Array
 from plumbline.report.figures import style
-from plumbline.report.figures.subject import Drawn, Subject, drawn_lines
+from plumbline.report.figures.subject import Drawn, Subject, drawn_lines, share_drawn
 from plumbline.result.calibration import Calibration
 from plumbline.result.pair import PairCalibration
 
@@ -41,7 +41,8 @@ def radius(subject: Subject) -> Any:
         "o",
         ms=1.5 if many else 3.4,
         color=style.BLUE,
-        label="matches" if isinstance(calibration, PairCalibration) else "picks",
+        label=("matches" if isinstance(calibration, PairCalibration) else "picks")
+        + share_drawn(calibration, lines),
         rasterized=many,
     )
     limit = _limit(lines)
@@ -62,7 +63,8 @@ def along(subject: Subject) -> Any:
     lines = list(drawn_lines(calibration))
     what = ""
     if len(lines) > _MOST:
-        what = f" (the {_MOST} of {len(lines):,} lines with the largest residuals)"
+        n_lines = len(calibration.observations.lines)
+        what = f" (the {_MOST} of {n_lines:,} lines with the largest residuals)"
         worst = [line.largest_after_px for line in calibration.lines]
         lines = sorted(lines, key=lambda line: -worst[line.index])[:_MOST]
         lines.sort(key=lambda line: line.index)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import floor, log10
 
@@ -13,6 +14,7 @@ from plumbline.frame import Array, Frame
 from plumbline.geometry.derivatives import undistorted
 from plumbline.geometry.lens import Lens
 from plumbline.geometry.lines import fit_lines
+from plumbline.report.figures.thinning import drawn_picks
 from plumbline.report.photos import ShownPhoto
 from plumbline.result.calibration import Calibration
 from plumbline.result.pair import PairCalibration
@@ -69,7 +71,7 @@ class Drawn:
 
 
 def drawn_lines(calibration: Calibration) -> tuple[Drawn, ...]:
-    """Every line of a calibration, or every part of a pair's matches."""
+    """The lines of a calibration, some of very many, or every part of a pair's matches."""
     if isinstance(calibration, PairCalibration):
         return _drawn_parts(calibration)
     lens, linear = calibration.lens, calibration.linearised
@@ -84,11 +86,13 @@ def drawn_lines(calibration: Calibration) -> tuple[Drawn, ...]:
     away = np.where(lines.count[line] > 0, linear.residual_px * outwards[line], np.nan)
     foot = lines.centre[line] + linear.along_px[:, None] * lines.along[line]
     radius_px = np.hypot(*(lens.frame.normalise(observed, 1.0) - centre).T)
-    starts = np.searchsorted(line, np.arange(linear.n_lines))
-    ends = np.append(starts[1:], len(line))
+    shown = drawn_picks(np.bincount(line), np.abs(linear.residual_px), radius_px)
+    starts = np.searchsorted(line, np.arange(linear.n_lines + 1))
     found: list[Drawn] = []
-    for index, (start, end) in enumerate(zip(starts.tolist(), ends.tolist(), strict=True)):
-        which = slice(start, end)
+    for index in np.unique(line[shown]).tolist():
+        first = int(starts[index])
+        places = np.flatnonzero(shown[first : starts[index + 1]])
+        which = first + places
         source = calibration.observations.lines[index]
         frame = frames[source.photo]
         span = linear.along_px[which][kept[which]]
@@ -99,7 +103,7 @@ def drawn_lines(calibration: Calibration) -> tuple[Drawn, ...]:
                 label=source.label,
                 photo=source.photo,
                 kept=kept[which],
-                observed_px=source.points_px,
+                observed_px=source.points_px[places],
                 foot_px=seen(lens, frame, foot[which]),
                 curve_px=seen(
                     lens, frame, lines.centre[index] + reach[:, None] * lines.along[index]
@@ -110,6 +114,12 @@ def drawn_lines(calibration: Calibration) -> tuple[Drawn, ...]:
             )
         )
     return tuple(found)
+
+
+def share_drawn(calibration: Calibration, drawn: Sequence[Drawn]) -> str:
+    """What a legend says beside picks of which some are not drawn."""
+    shown, n_points = sum(len(line.kept) for line in drawn), calibration.observations.n_points
+    return f" ({shown:,} of {n_points:,} drawn)" if shown < n_points else ""
 
 
 def _drawn_parts(calibration: PairCalibration) -> tuple[Drawn, ...]:

@@ -6,7 +6,7 @@ import re
 from typing import Any
 
 from plumbline.errors import printable
-from plumbline.report.figures import style
+from plumbline.report.figures import encoding, style
 from plumbline.report.page.markup import Element
 
 _SVG = "{http://www.w3.org/2000/svg}"
@@ -30,7 +30,7 @@ def inline(figure: Any, prefix: str, description: str) -> Element:
         prefix: Sets its ids apart from those of other figures of the page.
         description: What it shows, for those who do not see it.
     """
-    root = style.svg_tree(figure)
+    root = encoding.svg_tree(figure)
     for name in _LEFT_OUT:
         for element in list(root.iter(f"{_SVG}{name}")):
             parent = element.getparent()

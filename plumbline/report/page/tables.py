@@ -22,6 +22,9 @@ from plumbline.wording import count, number, px
 _STRONG = 0.9
 """As `plumbline.result.notes` has it."""
 
+_MOST_ROWS = 500
+"""Lines and suspects of a table, the worst; chosen, because more fill ten pages."""
+
 _MOST_PICKS = 3_000
 """Chosen, because more fill over fifty pages, which nobody reads; the JSON holds all."""
 
@@ -79,7 +82,7 @@ def correlations(calibration: Calibration) -> Element | None:
 
 
 def straightness(calibration: Calibration) -> Element:
-    """Every line before and after."""
+    """Every line before and after, or the worst of many."""
     photos = calibration.observations.photos
     several = len(photos) > 1
     paired = isinstance(calibration, PairCalibration)
@@ -88,16 +91,30 @@ def straightness(calibration: Calibration) -> Element:
     if calibration.robust:
         head.append("left out")
     head += ["rms before, px", "rms after, px", "largest after, px"]
+    measured = calibration.lines
+    worst = sorted(range(len(measured)), key=lambda n: -measured[n].largest_after_px)[:_MOST_ROWS]
     rows: list[list[Node]] = []
-    for line, kept in zip(calibration.lines, calibration.kept, strict=True):
+    for number in sorted(worst):
+        line, kept = measured[number], calibration.kept[number]
         row: list[Node] = [line.label, *([photo_name(photos[line.photo])] if several else [])]
         row.append(str(line.n_points))
         if calibration.robust:
             row.append(str(int(np.count_nonzero(~kept))))
         numbers = (line.rms_before_px, line.rms_after_px, line.largest_after_px)
-        shown = ["left out", "", ""] if line.left_out else [f"{number:.2f}" for number in numbers]
-        rows.append([*row, *shown])
-    return table(head, rows, text=range(1 + several))
+        rows.append(
+            [*row, "left out", "", ""]
+            if line.left_out
+            else [*row, *(f"{value:.2f}" for value in numbers)]
+        )
+    return tag(
+        "div", _only_the_worst(len(measured), "line"), table(head, rows, text=range(1 + several))
+    )
+
+
+def _only_the_worst(total: int, noun: str) -> Element | None:
+    if total <= _MOST_ROWS:
+        return None
+    return tag("p", f"The {_MOST_ROWS} of {count(total, noun)} with the largest residuals.")
 
 
 def suspects(calibration: Calibration) -> Element:
@@ -112,10 +129,12 @@ def suspects(calibration: Calibration) -> Element:
             _finite(each.studentised, ".1f"),
             _fate(calibration, each),
         ]
-        for each in calibration.suspects
+        for each in calibration.suspects[:_MOST_ROWS]
     ]
     head = ("what it looks like", "residual, px", "in its own σ̂", "fit")
-    return table(head, rows)
+    more = len(calibration.suspects) - len(rows)
+    rest = tag("p", f"{more:,} more in the JSON of the result.") if more else None
+    return tag("div", table(head, rows), rest)
 
 
 def _fate(calibration: Calibration, suspect: Suspect) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import isfinite
 
 from rich.console import Console
 from rich.markup import escape
@@ -36,7 +37,8 @@ def print_suspects(
     ordered = sorted(suspects, key=lambda each: -each.residual_px)
     shown = ordered if everything else ordered[:_MOST]
     for suspect in shown:
-        size = f" ({suspect.studentised:,.1f} σ)" if suspect.left_out else ""
+        known = suspect.left_out and isfinite(suspect.studentised)
+        size = f" ({suspect.studentised:,.1f} σ)" if known else ""
         _print(console, f"  {_plain(suspect.sentence)}{size}")
     if len(shown) < len(ordered):
         _print(console, f"  and {len(ordered) - len(shown)} more (-v lists all)")

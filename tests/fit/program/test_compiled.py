@@ -14,6 +14,7 @@ import pytest
 
 import plumbline
 from plumbline.fit.program import blocks, compiled as programs
+from tests.many import all_calibrated
 from tests.truth import TrueLens
 
 LENS = TrueLens("ptlens", {"a": 0.0213, "b": -0.0864, "c": 0.0321})
@@ -110,7 +111,7 @@ def test_the_size_of_the_bucket_changes_nothing(rows: int, monkeypatch: pytest.M
 def test_a_batch_changes_nothing() -> None:
     observations = plumbline.Observations.from_arrays(LINES, LENS.size)
     single = plumbline.calibrate(observations)
-    for made in plumbline.calibrate_many([observations] * 6):
+    for made in all_calibrated([observations] * 6):
         assert furthest_px(single.coefficients, made.coefficients) < 1e-9
 
 

@@ -9,7 +9,7 @@ from functools import cache as remembered
 import numpy as np
 import pytest
 
-from plumbline import Observations, calibrate, calibrate_many
+from plumbline import Observations, calibrate
 from plumbline.errors import DegenerateLinesError
 from plumbline.fit.bootstrap import bootstrap
 from plumbline.observations import Line, Photo
@@ -18,6 +18,7 @@ from plumbline.result.files import consistent_results
 from plumbline.result.writing import to_json
 from plumbline.trust.assessment import ResidualKind
 from tests.fit.test_calibrate import ACTION_CAMERAS, MILD, picked
+from tests.many import all_calibrated
 from tests.truth import Array, TrueLens
 
 BARREL = TrueLens("ptlens", {"a": 0.02, "b": -0.09, "c": -0.02})
@@ -92,7 +93,7 @@ def test_of_clean_projects_one_in_fifty_at_most_names_a_pick() -> None:
     every = [
         observed([line + rng.normal(0, NOISE_PX, line.shape) for line in exact]) for _ in range(128)
     ]
-    assert sum(bool(made.suspects) for made in calibrate_many(every)) <= 5
+    assert sum(bool(made.suspects) for made in all_calibrated(every)) <= 5
 
 
 @pytest.mark.parametrize("share", [300, 200])
@@ -192,12 +193,12 @@ def test_held_coefficients_and_start_vectors() -> None:
 def test_many_name_the_same_as_one_by_one() -> None:
     twice = moved({(1, 3): (30.0, 0.0)})
     every = [moved(), observed(list(clean())), twice, picked(TrueLens("ptlens", MILD)), moved()]
-    for together, obs in zip(calibrate_many(every), every, strict=True):
+    for together, obs in zip(all_calibrated(every), every, strict=True):
         alone = calibrate(obs)
         assert [(s.line, s.picks, s.kind) for s in together.suspects] == [
             (s.line, s.picks, s.kind) for s in alone.suspects
         ]
-    for together, obs in zip(calibrate_many(every, robust=True), every, strict=True):
+    for together, obs in zip(all_calibrated(every, robust=True), every, strict=True):
         assert left_out(together) == left_out(calibrate(obs, robust=True))
 
 

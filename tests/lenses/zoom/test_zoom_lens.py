@@ -210,7 +210,7 @@ def test_lenses_txt() -> None:
     content, _ = zoom_bytes(lens, Path("lenses.txt"))
     rows = content.decode().splitlines()[1:]
     assert rows == [
-        "NIKON E995 lens: NIKON, Generic, 4.843, 4:3",
+        "NIKON E995 lens: Nikon, nikon995, 4.843, 4:3",
         "distortion(10mm) = 0.000000000, -0.020000000, 0.000000000",
         "distortion(20mm) = 0.000000000, 0.010000000, 0.000000000",
     ]

@@ -12,7 +12,7 @@ import pytest
 from lxml import etree  # pyright: ignore[reportAttributeAccessIssue]
 
 import plumbline
-from plumbline.report.figures import FIGURES, Subject, style
+from plumbline.report.figures import FIGURES, Subject, encoding, style
 from plumbline.report.figures.curve import band_px
 from plumbline.report.figures.maps import displacement_px
 from plumbline.report.figures.photo import magnification
@@ -25,7 +25,7 @@ UNITS = (", px", "px of the corrected photo", "corner)", "line")
 
 def svg(name: str, made: Calibration) -> bytes:
     with style.drawing():
-        return style.svg_bytes(FIGURES[name](Subject(made)))
+        return encoding.svg_bytes(FIGURES[name](Subject(made)))
 
 
 @pytest.mark.parametrize("name", FIGURES)
