@@ -7,7 +7,7 @@ import hashlib
 import os
 import re
 import secrets
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from plumbline.errors import OptionError, ReadError, WriteError
@@ -94,8 +94,20 @@ def read_bytes(path: str | Path) -> bytes:
         ) from None
 
 
-def refuse_to_clobber(target: Path, inputs: Sequence[str], *, overwrite: bool) -> None:
+def refuse_to_clobber(
+    target: Path,
+    inputs: Sequence[str],
+    *,
+    overwrite: bool,
+    is_ours: Callable[[Path], bool] | None = None,
+) -> None:
     """Refuse to write over an input, or over a file that plumbline did not make.
+
+    Args:
+        target: The file to be written.
+        inputs: Files that are read.
+        overwrite: Replace a file that plumbline did not write.
+        is_ours: Whether plumbline wrote a file; by the marks of its text files by default.
 
     Raises:
         WriteError: as said, or the target is not a regular file.
@@ -120,7 +132,7 @@ def refuse_to_clobber(target: Path, inputs: Sequence[str], *, overwrite: bool) -
             path=target,
             hint="choose another name with -o, or replace it with --overwrite",
         )
-    if exists and not overwrite and not _is_ours(target):
+    if exists and not overwrite and not (is_ours or _is_ours)(target):
         raise WriteError(
             "this file exists and was not written by plumbline",
             path=target,

@@ -47,7 +47,6 @@ def command(sources: tuple[str, ...], no_browser: bool, port: int, **labels: Any
     from plumbline.pick.opening import open_session
     from plumbline.pick.serving import serve
     from plumbline.reading.gathering import labels_of
-    from plumbline.report.writing import report_contents
 
     def announce(address: str, opened: bool) -> None:
         click.echo(f"Picking at {address}")
@@ -56,4 +55,4 @@ def command(sources: tuple[str, ...], no_browser: bool, port: int, **labels: Any
         click.echo("Ctrl-C stops; every action is saved.")
 
     session = open_session(sources, labels_of(labels))
-    serve(session, report_contents, port, announce, browser=not no_browser)
+    serve(session, port, announce, browser=not no_browser)

@@ -124,8 +124,8 @@ def _begun(some: Sequence[Observations], how: _How) -> Callable[[], list[Outcome
     solutions = launch(model, [problem.task for problem in problems])
 
     def outcomes() -> list[Outcome]:
-        made = iter(_finished(problems, solutions(), robust=how.robust))
-        return [each if isinstance(each, PlumblineError) else next(made) for each in ready]
+        finished = iter(_finished(problems, solutions(), robust=how.robust))
+        return [each if isinstance(each, PlumblineError) else next(finished) for each in ready]
 
     return outcomes
 

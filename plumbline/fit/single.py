@@ -48,13 +48,13 @@ def fit_one(
     return _compared_with_zero(problem, solution, from_zero, robust=robust)
 
 
-def _only(made: Sequence[Calibration | PlumblineError]) -> Calibration:
+def _only(outcomes: Sequence[Calibration | PlumblineError]) -> Calibration:
     """The one calibration.
 
     Raises:
         DegenerateLinesError: there is none; CollapsedFitError: it is nonsense.
     """
-    (calibration,) = made
+    (calibration,) = outcomes
     if isinstance(calibration, PlumblineError):
         raise calibration
     return calibration

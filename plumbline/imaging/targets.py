@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from plumbline.errors import OptionError, ReadError, WriteError
+from plumbline.files import refuse_to_clobber
 from plumbline.photos.files.metadata import CORRECTED
 
 SUFFIX = "_corrected"
@@ -205,29 +206,9 @@ def check_target(target: Path, photo: Path, *, overwrite: bool) -> None:
     Raises:
         WriteError: as said, or the folder does not exist.
     """
-    try:
-        if not target.parent.is_dir():
-            raise WriteError("the folder does not exist", path=target, hint="create it first")
-        if not target.exists():
-            return
-        if photo.exists() and target.samefile(photo):
-            raise WriteError(
-                "this is the original, and is never overwritten",
-                path=target,
-                hint="choose another name with -o, or a --suffix",
-            )
-        if not target.is_file():
-            raise WriteError("this is not a regular file", path=target, hint="name a file with -o")
-        if not overwrite and not _is_ours(target):
-            raise WriteError(
-                "this file exists and was not written by plumbline",
-                path=target,
-                hint="choose another name with -o, or replace it with --overwrite",
-            )
-    except OSError as error:
-        raise WriteError(
-            f"the file cannot be written: {error.strerror}", path=target, hint="choose another -o"
-        ) from None
+    if not target.parent.is_dir():
+        raise WriteError("the folder does not exist", path=target, hint="create it first")
+    refuse_to_clobber(target, [str(photo)], overwrite=overwrite, is_ours=_is_ours)
 
 
 def _is_ours(target: Path) -> bool:

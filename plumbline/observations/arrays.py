@@ -37,7 +37,7 @@ def lines_from_arrays(
             f"there are {count(len(names), 'label')} for {count(len(arrays), 'line')}",
             hint=hint,
         )
-    made: list[Line] = []
+    found: list[Line] = []
     hidden = 0
     for label, values in zip(map(str, names), arrays, strict=True):
         points, shown = _numbers(values, f"line {label}")
@@ -49,8 +49,8 @@ def lines_from_arrays(
                 hint="give one array of shape (n, 2), x and y in pixels, for each line",
             )
         hidden += int(np.count_nonzero(~shown))
-        made.append(Line(points[shown], 0, label))
-    return tuple(made), hidden
+        found.append(Line(points[shown], 0, label))
+    return tuple(found), hidden
 
 
 def lines_from_grid(points: ArrayLike) -> tuple[tuple[Line, ...], int]:

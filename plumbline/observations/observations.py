@@ -74,10 +74,10 @@ class Observations:
             >>> plumbline.Observations.from_arrays([edge], size=(400, 300)).n_points
             3
         """
-        made, hidden = lines_from_arrays(lines, labels)
+        found, hidden = lines_from_arrays(lines, labels)
         notes = (f"{count(hidden, 'masked point')} left out",) if hidden else ()
         photo, facts = photo_and_lens(size, focal_px, pixel_aspect)
-        return cls((photo,), made, (facts,), notes).checked().counted_once()
+        return cls((photo,), found, (facts,), notes).checked().counted_once()
 
     @classmethod
     def from_grid(
@@ -109,10 +109,10 @@ class Observations:
             >>> plumbline.Observations.from_grid(grid, size=(1600, 1200))
             <Observations: 70 points on 12 lines in 1 photo>
         """
-        made, missing = lines_from_grid(points)
+        found, missing = lines_from_grid(points)
         notes = (f"{count(missing, 'point')} of the grid missing",) if missing else ()
         photo, facts = photo_and_lens(size, focal_px, pixel_aspect)
-        return cls((photo,), made, (facts,), notes).checked().counted_once()
+        return cls((photo,), found, (facts,), notes).checked().counted_once()
 
     @classmethod
     def side_by_side(cls, parts: Sequence[Observations]) -> Observations:

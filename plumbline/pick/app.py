@@ -16,7 +16,7 @@ from starlette.types import Receive, Scope, Send
 
 from plumbline.errors import OptionError, PlumblineError
 from plumbline.pick import requests
-from plumbline.pick.finishing import Drawing, compared, finished
+from plumbline.pick.finishing import compared, finished
 from plumbline.pick.security import TooMuchError
 from plumbline.pick.session import Session
 from plumbline.pick.tiles import tile
@@ -33,7 +33,7 @@ _MOST_NAME = 40
 _T = TypeVar("_T", bound=msgspec.Struct)
 
 
-def app_of(session: Session, draw: Drawing) -> Starlette:
+def app_of(session: Session) -> Starlette:
     """The app of one session; it must stand behind `plumbline.pick.security.Guard`."""
     assets = _assets()
 
@@ -62,7 +62,7 @@ def app_of(session: Session, draw: Drawing) -> Starlette:
 
     async def finish(request: Request) -> Response:
         await _body(request, requests.Page)
-        return _told(await run_in_threadpool(finished, session, draw))
+        return _told(await run_in_threadpool(finished, session))
 
     def tile_of(request: Request) -> Response:
         where: Mapping[str, Any] = request.path_params

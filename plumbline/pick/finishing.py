@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import msgspec
 
-from plumbline.errors import PlumblineError, WriteError, printable
+from plumbline.errors import WriteError, printable
 from plumbline.fit.calibrate import calibrate
 from plumbline.fit.choice.compare import ROWS, compare
 from plumbline.observations import Observations, Origin
@@ -18,7 +16,7 @@ from plumbline.pick.document import FORMAT, Document
 from plumbline.pick.observing import observations_of
 from plumbline.pick.session import Session
 from plumbline.pick.words import on_page
-from plumbline.result.calibration import Calibration
+from plumbline.report.writing import comparisons_of, report_contents
 from plumbline.result.comparison import Comparison, as_dict
 from plumbline.result.sentence import finding_sentence
 from plumbline.writing.beside import command_line, write_results
@@ -27,25 +25,7 @@ _LENSFUN_FOLDER = r"%LOCALAPPDATA%\lensfun" if os.name == "nt" else "~/.local/sh
 """Where LensFun looks for a user's own profiles."""
 
 
-class Drawing(Protocol):
-    """`plumbline.report.writing.report_contents`, which is above this room."""
-
-    def __call__(
-        self,
-        calibrations: Sequence[Calibration],
-        report: str | None,
-        plots: Sequence[str],
-        /,
-        *,
-        comparisons: Sequence[Comparison | None],
-        photo: str | None,
-        source: str | None,
-    ) -> tuple[dict[Path, bytes], list[str]]:
-        """The bytes of each file, and notes."""
-        ...
-
-
-def finished(session: Session, draw: Drawing) -> dict[str, Any]:
+def finished(session: Session) -> dict[str, Any]:
     """Fit all samples, write a Hugin project, a LensFun profile and a report beside the photo.
 
     Raises:
@@ -58,15 +38,15 @@ def finished(session: Session, draw: Drawing) -> dict[str, Any]:
     calibration = calibrate(observations, settings.model, free=settings.free)
     calibration = replace(calibration, command=command_line())
     photo = session.photos[0].path
-    table, notes = _comparison(session, calibration.kept_observations)
+    tables, notes = comparisons_of([calibration], lambda part: _compare(session, part))
     session.hub.publish("progress", "Drawing the report…")
     report = photo.with_suffix(".fit.html")
     try:
-        drawn, unseen = draw(
+        drawn, unseen = report_contents(
             [calibration],
             str(report),
             (),
-            comparisons=[table],
+            comparisons=tables,
             photo=str(photo) if len(session.photos) == 1 else None,
             source=str(session.keeper.path),
         )
@@ -95,15 +75,6 @@ def _whole(session: Session, document: Document) -> Observations:
     path = session.keeper.path
     origin = Origin(str(path), FORMAT, msgspec.json.encode(document))
     return observations_of(document, origin=origin)
-
-
-def _comparison(
-    session: Session, observations: Observations
-) -> tuple[Comparison | None, list[str]]:
-    try:
-        return _compare(session, observations), []
-    except PlumblineError as error:
-        return None, [f"models are not compared in the report: {error.message}"]
 
 
 def _compare(session: Session, observations: Observations) -> Comparison:

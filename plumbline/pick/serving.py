@@ -15,7 +15,6 @@ import uvicorn
 
 from plumbline.errors import OptionError
 from plumbline.pick.app import app_of
-from plumbline.pick.finishing import Drawing
 from plumbline.pick.security import Guard
 from plumbline.pick.session import Session
 
@@ -33,7 +32,6 @@ _LONGEST_S = 2
 
 def serve(
     session: Session,
-    draw: Drawing,
     port: int,
     announce: Callable[[str, bool], None],
     *,
@@ -43,7 +41,6 @@ def serve(
 
     Args:
         session: What is served.
-        draw: Draws the report when the user finishes.
         port: The port; 0 for any that is free.
         announce: Called with the address, and whether a browser was opened.
         browser: Open the user's browser.
@@ -56,7 +53,7 @@ def serve(
     secret = secrets.token_urlsafe(_SECRET_BYTES)
     address = f"http://{HOST}:{port}/{secret}/"
     config = uvicorn.Config(
-        Guard(app_of(session, draw), secret, port),
+        Guard(app_of(session), secret, port),
         log_level="critical",
         access_log=False,
         limit_concurrency=_MOST_CONNECTIONS,

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from plumbline.errors import WriteError
+from plumbline.errors import PlumblineError, WriteError
 from plumbline.files import as_path, refuse_to_clobber, refuse_unknown_suffix, write_atomically
-from plumbline.report.photos import FoundPhotos, find_photos
+from plumbline.report.photos import find_photos
 from plumbline.result.calibration import Calibration
 from plumbline.result.given import as_calibrations, refuse_unsettled
+from plumbline.result.pair import PairCalibration
 
 if TYPE_CHECKING:
+    from plumbline.observations import Observations
     from plumbline.report.figures import Subject
     from plumbline.result.comparison import Comparison
 
@@ -51,26 +53,83 @@ def figure_name(target: Path) -> str:
     return name
 
 
-def _targets(
-    plot: Path, calibrations: Sequence[Calibration], found: Sequence[FoundPhotos]
-) -> list[tuple[Path, Subject]]:
-    """One file for each lens (each photo for `photo`), numbered from 1 if there are several."""
-    from plumbline.report.figures import Subject
+def _targets(plot: Path, calibrations: Sequence[Calibration]) -> list[tuple[Path, int, int]]:
+    """One file for each lens (each photo for `photo`), numbered from 1 if there are several.
+
+    Returns:
+        The file, and the numbers of the lens and of the photo that it shows.
+    """
     from plumbline.report.page.figures import shown_photos
 
     name = figure_name(plot)
-    subjects = [
-        Subject(calibration, index, photos.pictures[index])
-        for calibration, photos in zip(calibrations, found, strict=True)
-        for index in shown_photos(name, calibration)
+    shown = [
+        (lens, photo)
+        for lens, calibration in enumerate(calibrations)
+        for photo in shown_photos(name, calibration)
     ]
-    if len(subjects) == 1:
-        return [(plot, subjects[0])]
+    if len(shown) == 1:
+        return [(plot, *shown[0])]
     before = plot.name.removesuffix(f"{name}{plot.suffix}")
     return [
-        (plot.with_name(f"{before}{number}.{name}{plot.suffix}"), subject)
-        for number, subject in enumerate(subjects, 1)
+        (plot.with_name(f"{before}{number}.{name}{plot.suffix}"), *which)
+        for number, which in enumerate(shown, 1)
     ]
+
+
+def refuse_targets(
+    calibrations: Sequence[Calibration],
+    report: str | None,
+    plots: Sequence[str],
+    inputs: Sequence[str | None],
+    *,
+    overwrite: bool,
+) -> None:
+    """Refuse, before anything is computed, what cannot or must not be written.
+
+    Args:
+        calibrations: One a lens.
+        report: The page, if any.
+        plots: Figures, each named by the last part of its stem.
+        inputs: Files that are read, besides those that the points came from.
+        overwrite: Replace files that plumbline did not write.
+
+    Raises:
+        WriteError: a file exists and is not plumbline's, or its name says nothing.
+        UnsettledError: a fit did not reach a minimum.
+    """
+    refuse_unsettled(calibrations)
+    check_targets(report, plots)
+    read = [o.path for calibration in calibrations for o in calibration.observations.origins]
+    read += [name for name in inputs if name is not None]
+    targets = [] if report is None else [Path(report)]
+    targets += [each[0] for plot in plots for each in _targets(Path(plot), calibrations)]
+    for target in targets:
+        refuse_to_clobber(target, read, overwrite=overwrite)
+
+
+def comparisons_of(
+    calibrations: Sequence[Calibration], compare: Callable[[Observations], Comparison]
+) -> tuple[list[Comparison | None], list[str]]:
+    """The models of each lens side by side, as far as they can be compared.
+
+    Args:
+        calibrations: One a lens; a lens from a pair of pictures has no lines to compare by.
+        compare: `plumbline.compare`, or one that shows its progress.
+
+    Returns:
+        One for each lens, None where there is none, and notes that say why.
+    """
+    found: list[Comparison | None] = []
+    notes: list[str] = []
+    for calibration in calibrations:
+        comparison = None
+        if not isinstance(calibration, PairCalibration):
+            try:
+                comparison = compare(calibration.kept_observations)
+            except PlumblineError as error:
+                notes.append(f"models are not compared in the report: {error.message}")
+        found.append(comparison)
+    return found, notes
 
 
 def figure_bytes(subject: Subject, target: Path) -> bytes:
@@ -124,25 +183,23 @@ def report_contents(
         ReadError: the photograph cannot be read.
         UnsettledError: a fit did not reach a minimum.
     """
-    refuse_unsettled(calibrations)
-    check_targets(report, plots)
     found = find_photos(calibrations, photo, None if source is None else Path(source))
-    inputs = [o.path for calibration in calibrations for o in calibration.observations.origins]
-    inputs += [str(p.path) for each in found for p in each.pictures if p is not None]
-    inputs += [name for name in (source, photo) if name is not None]
+    shown = [str(p.path) for each in found for p in each.pictures if p is not None]
+    refuse_targets(calibrations, report, plots, [*shown, source, photo], overwrite=overwrite)
     contents: dict[Path, bytes] = {}
     if report is not None:
         from plumbline.report.page.document import Assignment, Part, page_bytes
 
-        refuse_to_clobber(Path(report), inputs, overwrite=overwrite)
         compared = comparisons or [None] * len(calibrations)
         contents[Path(report)] = page_bytes(
             [Part(*each) for each in zip(calibrations, found, compared, strict=True)],
             Assignment(case, examiner),
         )
     for plot in plots:
-        for target, subject in _targets(Path(plot), calibrations, found):
-            refuse_to_clobber(target, inputs, overwrite=overwrite)
+        from plumbline.report.figures import Subject
+
+        for target, lens, index in _targets(Path(plot), calibrations):
+            subject = Subject(calibrations[lens], index, found[lens].pictures[index])
             contents[target] = figure_bytes(subject, target)
     return contents, list(dict.fromkeys(note for each in found for note in each.notes))
 
@@ -151,7 +208,7 @@ def write_report(
     result: Calibration | Sequence[Calibration],
     path: str | Path,
     *,
-    comparisons: Sequence[Comparison | None] = (),
+    comparisons: Sequence[Comparison | None] | None = None,
     photo: str | Path | None = None,
     case: str = "",
     examiner: str = "",
@@ -162,7 +219,8 @@ def write_report(
     Args:
         result: One calibration, or one for each lens.
         path: Where to, `.html`.
-        comparisons: `plumbline.compare` of each lens, where the page is to show it.
+        comparisons: `plumbline.compare` of each lens, for the page; computed by default, and
+            left out where this is empty.
         photo: The photograph, where it is not beside the points.
         case: Name or number of the case.
         examiner: Who calibrated.
@@ -176,13 +234,19 @@ def write_report(
         ReadError: the photograph cannot be read.
         UnsettledError: a fit did not reach a minimum.
     """
+    from plumbline.fit.choice.compare import compare
+
     calibrations, target = as_calibrations(result), as_path(path)
+    shown = None if photo is None else str(photo)
+    refuse_targets(calibrations, str(target), (), [shown], overwrite=overwrite)
+    if comparisons is None:
+        comparisons, _ = comparisons_of(calibrations, compare)
     contents, _ = report_contents(
         calibrations,
         str(target),
         (),
         comparisons=comparisons,
-        photo=None if photo is None else str(photo),
+        photo=shown,
         case=case,
         examiner=examiner,
         overwrite=overwrite,

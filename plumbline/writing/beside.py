@@ -8,8 +8,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from plumbline.errors import OptionError
-from plumbline.files import write_atomically
-from plumbline.result.calibration import Calibration, refuse_unsettled
+from plumbline.files import as_path, write_atomically
+from plumbline.result.calibration import Calibration
+from plumbline.result.given import as_calibrations, refuse_unsettled
 from plumbline.writing.lensfun import label_notes
 from plumbline.writing.results import resampling_notes, result_bytes
 
@@ -39,9 +40,9 @@ def write_beside(
         WriteError: a file exists and is not plumbline's, or cannot be written; then none is.
         UnsettledError: a fit did not reach a minimum.
     """
-    calibrations = [result] if isinstance(result, Calibration) else list(result)
+    calibrations = as_calibrations(result)
     refuse_unsettled(calibrations)
-    return write_results(calibrations, (), str(source), {}, overwrite=overwrite)
+    return write_results(calibrations, (), str(as_path(source)), {}, overwrite=overwrite)
 
 
 def write_results(

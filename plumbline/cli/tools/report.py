@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from plumbline.cli.tools.narration import progress_bar
-from plumbline.errors import PlumblineError
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -26,20 +25,14 @@ def draw(
     **where: Any,
 ) -> tuple[dict[Path, bytes], list[str]]:
     """A report with its comparison of models, and single figures, as `report_contents`."""
-    from plumbline.report.writing import report_contents
-    from plumbline.result.pair import PairCalibration
+    from plumbline.report.writing import comparisons_of, refuse_targets, report_contents
 
-    comparisons: list[Comparison | None] = []
-    failed: list[str] = []
-    for calibration in calibrations if report is not None else ():
-        if isinstance(calibration, PairCalibration):  # models are compared by lines left out
-            comparisons.append(None)
-            continue
-        try:
-            comparisons.append(compared(calibration.kept_observations, narration, robust=False))
-        except PlumblineError as error:
-            comparisons.append(None)
-            failed.append(f"models are not compared in the report: {error.message}")
+    inputs = [where.get("source"), where.get("photo")]
+    refuse_targets(calibrations, report, plots, inputs, overwrite=where.get("overwrite", False))
+    wanted = calibrations if report is not None else ()
+    comparisons, failed = comparisons_of(
+        wanted, lambda part: compared(part, narration, robust=False)
+    )
     with narration.status("Drawing…"):
         drawn, notes = report_contents(
             calibrations, report, plots, comparisons=comparisons, **where

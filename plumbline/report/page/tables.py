@@ -94,8 +94,8 @@ def straightness(calibration: Calibration) -> Element:
     measured = calibration.lines
     worst = sorted(range(len(measured)), key=lambda n: -measured[n].largest_after_px)[:_MOST_ROWS]
     rows: list[list[Node]] = []
-    for number in sorted(worst):
-        line, kept = measured[number], calibration.kept[number]
+    for index in sorted(worst):
+        line, kept = measured[index], calibration.kept[index]
         row: list[Node] = [line.label, *([photo_name(photos[line.photo])] if several else [])]
         row.append(str(line.n_points))
         if calibration.robust:
