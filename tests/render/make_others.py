@@ -4,6 +4,8 @@ import json
 from pathlib import Path
 
 import cv2
+import numpy as np
+from numpy.typing import NDArray
 
 from . import board, pair
 from .optics import DATABASE, Lens, View
@@ -58,8 +60,13 @@ def pictures(target: Path) -> None:
 
 
 def _counts(shot: board.Shot) -> tuple[int, int]:
-    """Lines of three corners or more that a photograph shows, and the corners on them."""
+    """Lines of three corners or more that a photograph shows, and the corners on them.
+
+    A corner none of whose squares is wholly in view counts for nothing: it cannot be told from a
+    stray.
+    """
     cells = board.BOARD.cells[board.visible(shot, board.BOARD)]
+    cells = cells[_in_whole_squares(cells)]
     found = [
         count
         for axis in (0, 1)
@@ -67,6 +74,18 @@ def _counts(shot: board.Shot) -> tuple[int, int]:
         if count >= 3
     ]
     return len(found), sum(found)
+
+
+def _in_whole_squares(cells: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Which cells are a corner of a square whose four corners are all among them."""
+    seen = np.zeros(cells.max(axis=0) + 1, dtype=bool)
+    seen[tuple(cells.T)] = True
+    squares = seen[:-1, :-1] & seen[1:, :-1] & seen[:-1, 1:] & seen[1:, 1:]
+    good = np.zeros_like(seen)
+    for right in (0, 1):
+        for down in (0, 1):
+            good[right : right + squares.shape[0], down : down + squares.shape[1]] |= squares
+    return good[tuple(cells.T)]
 
 
 def _truth(lens: Lens) -> dict[str, object]:
