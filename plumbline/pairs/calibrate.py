@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -16,27 +17,13 @@ from plumbline.observations import Line, Observations, Photo
 from plumbline.observations.facts import LensFacts
 from plumbline.pairs.fit import Fitted, fit_matches
 from plumbline.pairs.matching import Matches, agreement, match
-from plumbline.photos.brightness import brightness
+from plumbline.pairs.refine import refined
+from plumbline.pairs.refusals import PARTS, parts_of, refuse_alike, refuse_few
+from plumbline.photos.brightness import Grey, brightness
 from plumbline.result.pair import PairCalibration
 from plumbline.trust.matched import Setting
-from plumbline.wording import count, joined
 
-_LEAST = 50
-"""Matches that must agree; chosen: with fewer one wrong one in ten can hide."""
-
-_PARTS = 4
-"""Parts of the photo across and down, left out one after the other; chosen, so that each holds a
-few dozen of the usual matches."""
-
-_LEAST_REACH = 0.5
-"""Share of the way to the corner that matches must reach at least; beyond it a lens bends most."""
-
-_LEAST_PARTS = 6
-"""Parts of 16 that must hold matches; chosen: three corners' worth."""
-
-_ALIKE_PX = 0.05
-"""A correction that moves the matches by less, root mean square, is none; chosen: two pictures
-without one differed by 0.003 px, the weakest lenses of LensFun's database bend by some tenths."""
+Pictures = tuple[Grey, Grey]
 
 
 def calibrate_pair(
@@ -84,7 +71,11 @@ def calibrate_pair(
         >>> plumbline.calibrate_pair(*pictures).coefficients  # doctest: +SKIP
         {'a': 0.006, 'b': -0.012, 'c': -0.035, 'd': 0.0, 'e': 0.0}
     """
-    matches, size = _matches(original, corrected, points, size)
+    pictures = _pictures(original, corrected, points)
+    if pictures is None:
+        matches, size = _given(points, size)
+    else:
+        matches, size = match(*pictures), pictures[0].shape[::-1]
     chosen = get_model(model)
     names = (*chosen.coefficients, *CENTRE)
     wanted = tuple(chosen.coefficients) if free is None else tuple(free)
@@ -97,27 +88,36 @@ def calibrate_pair(
     frame = Frame(*size)
     known = facts or LensFacts()
     lens = Lens(chosen, frame, dict.fromkeys(names, 0.0), known.focal_length_px(frame))
-    agreed = agreement(matches)
-    place = agreed.scale * np.array(frame.centre_px) + np.array(agreed.offset_px)
-    start = Setting(lens, agreed.scale, (float(place[0]), float(place[1])))
-    fitted = fit_matches(start, fitted_names, matches.observed_px, matches.corrected_px)
-    _refuse_few(fitted, matches, frame)
+    fitted = _fit(_start(lens, matches), fitted_names, matches)
+    refuse_few(fitted, matches, frame)
+    remarks: list[str] = []
+    if pictures is not None:
+        better = refined(*pictures, fitted.setting, matches.only(fitted.kept))
+        remarks.append(_refined(len(better), len(matches)))
+        matches, fitted = better, _fit(fitted.setting, fitted_names, better)
+        refuse_few(fitted, matches, frame)
     calibration = _calibration(fitted, matches, fitted_names, Photo(size, name), known)
-    _refuse_alike(calibration)
-    return calibration
+    refuse_alike(calibration)
+    return replace(calibration, remarks=(*calibration.remarks, *remarks))
 
 
-def _matches(
-    original: Any, corrected: Any, points: Any, size: tuple[int, int] | None
-) -> tuple[Matches, tuple[int, int]]:
+def _fit(start: Setting, free: tuple[str, ...], matches: Matches) -> Fitted:
+    return fit_matches(start, free, matches.observed_px, matches.corrected_px)
+
+
+def _start(lens: Lens, matches: Matches) -> Setting:
+    """A lens without distortion, and the scale and place that some matches agree on."""
+    agreed = agreement(matches)
+    x, y = agreed.scale * np.array(lens.frame.centre_px) + np.array(agreed.offset_px)
+    return Setting(lens, agreed.scale, (float(x), float(y)))
+
+
+def _pictures(original: Any, corrected: Any, points: Any) -> Pictures | None:
+    """Both pictures' brightness; None where points are given instead."""
     if points is not None:
         if original is not None or corrected is not None:
             raise OptionError("give pictures or points, not both")
-        if size is None:
-            raise OptionError(
-                "the size of the original is not known", hint="give it with --size WIDTHxHEIGHT"
-            )
-        return _given(points, size), size
+        return None
     if original is None or corrected is None:
         raise OptionError("a pair takes two pictures", hint="give an original and a corrected one")
     first, second = brightness(original), brightness(corrected)
@@ -125,10 +125,15 @@ def _matches(
         raise PairError(
             "the two pictures are identical", hint="give one of them without the correction"
         )
-    return match(first, second), (first.shape[1], first.shape[0])
+    return first, second
 
 
-def _given(points: Any, size: tuple[int, int]) -> Matches:
+def _given(points: Any, size: tuple[int, int] | None) -> tuple[Matches, tuple[int, int]]:
+    """Matched points, checked, and the original's size."""
+    if size is None:
+        raise OptionError(
+            "the size of the original is not known", hint="give it with --size WIDTHxHEIGHT"
+        )
     arrays: list[Array] = []
     for each in points:
         array = np.asarray(each, dtype=np.float64)
@@ -151,45 +156,7 @@ def _given(points: Any, size: tuple[int, int]) -> Matches:
             f"the point ({x:g}, {y:g}) lies outside the {size[0]}x{size[1]} original",
             hint="check its size; pixels count from 0 at the top left",
         )
-    return Matches(*arrays)
-
-
-def _refuse_few(fitted: Fitted, matches: Matches, frame: Frame) -> None:
-    kept = matches.observed_px[fitted.kept]
-    if len(kept) < _LEAST:
-        raise PairError(
-            f"of {count(len(matches), 'matched point')} only {len(kept)} agree on one lens",
-            hint="take pictures with more detail; one of them as the lens shows it, the other "
-            "corrected",
-        )
-    held = np.bincount(parts_of(kept, frame), minlength=_PARTS**2) > 0
-    radius = np.linalg.norm(frame.normalise(kept, frame.radius_px), axis=1) / frame.corner_radius
-    inner, outer = (float(np.quantile(radius, q)) for q in (0.01, 0.99))
-    if held.sum() < _LEAST_PARTS or outer < _LEAST_REACH:
-        raise PairError(
-            f"the matches lie in {held.sum()} of {_PARTS**2} parts of the photo{_side(held)}, "
-            f"between {100 * inner:.0f} and {100 * outer:.0f} % of the way to the corner: the rest "
-            "of the radius is not covered",
-            hint="take a scene with detail all over the photo",
-        )
-
-
-def _side(held: NDArray[np.bool_]) -> str:
-    """In which part of the photo all matches lie, where it is one side of it."""
-    rows, columns = np.nonzero(held.reshape(_PARTS, _PARTS))
-    half = _PARTS // 2
-    words: list[str] = []
-    for places, low, high in ((rows, "top", "bottom"), (columns, "left", "right")):
-        if (places < half).all() or (places >= half).all():
-            words.append(low if places[0] < half else high)
-    return f", all at the {joined(words)}" if words else ""
-
-
-def parts_of(observed_px: Array, frame: Frame) -> NDArray[np.int64]:
-    """Which of the photo's parts each point lies in, row by row, shape (n,)."""
-    across = np.clip((observed_px + 0.5) * _PARTS / np.array(frame.size), 0, _PARTS - 1)
-    column, row = across.astype(np.int64).T
-    return row * _PARTS + column
+    return Matches(*arrays), size
 
 
 def _calibration(
@@ -201,7 +168,7 @@ def _calibration(
     lines = tuple(
         Line(
             matches.observed_px[which],
-            label=f"part {part[which[0]] // _PARTS + 1}.{part[which[0]] % _PARTS + 1}",
+            label=f"part {part[which[0]] // PARTS + 1}.{part[which[0]] % PARTS + 1}",
             corrected_px=matches.corrected_px[which],
         )
         for which in members
@@ -244,6 +211,13 @@ def _remark(setting: Setting) -> str:
     )
 
 
+def _refined(kept: int, found: int) -> str:
+    return (
+        f"{kept:,} of {found:,} matches were refined; the others lie close to these, or their "
+        "surroundings do not agree"
+    )
+
+
 def _left_out(fitted: Fitted) -> list[str]:
     out = int((~fitted.kept).sum())
     if not out:
@@ -251,15 +225,3 @@ def _left_out(fitted: Fitted) -> list[str]:
     return [
         f"{out:,} of {len(fitted.kept):,} matches were left out: they do not agree with the others"
     ]
-
-
-def _refuse_alike(calibration: PairCalibration) -> None:
-    """Refuse pictures that differ by a scale and a shift alone."""
-    bent_px = np.sqrt(max(calibration.rms_before_px**2 - calibration.rms_after_px**2, 0.0))
-    if bent_px > _ALIKE_PX:
-        return
-    raise PairError(
-        f"the two pictures differ by a scale ({calibration.scale:.4f}) and a shift alone: "
-        "neither of them is corrected, or both are",
-        hint="give one of them without the correction",
-    )

@@ -59,6 +59,10 @@ class Matches:
     def __len__(self) -> int:
         return len(self.observed_px)
 
+    def only(self, which: NDArray[np.bool_] | NDArray[np.int64]) -> Matches:
+        """Some of them."""
+        return Matches(self.observed_px[which], self.corrected_px[which])
+
 
 @dataclass(frozen=True)
 class Agreement:
@@ -175,9 +179,9 @@ def _matched(first: _Features, second: _Features) -> Matches:
     return Matches(observed[kept], corrected[kept])
 
 
-def apart(points: Array) -> NDArray[np.int64]:
-    """The first point of each square of a pixel's side that holds any."""
-    squares = np.floor(points / _APART_PX).astype(np.int64)
+def apart(points: Array, side_px: float = _APART_PX) -> NDArray[np.int64]:
+    """The first point of each square of that side that holds any."""
+    squares = np.floor(points / side_px).astype(np.int64)
     return np.sort(np.unique(squares, axis=0, return_index=True)[1])
 
 

@@ -51,6 +51,11 @@ class Setting:
         ideal = centre + (corrected_px - np.array(self.place_px)) / self.scale
         return self.lens.distort_or_nan(ideal)
 
+    def corrected(self, observed_px: Array) -> Array:
+        """Where the corrected picture shows points of the original, NaN beyond a fold, (n, 2)."""
+        ideal = self.lens.undistort_or_nan(observed_px)
+        return np.array(self.place_px) + self.scale * (ideal - np.array(self.lens.frame.centre_px))
+
     def moved(self, free: tuple[str, ...], step: Array) -> Setting:
         """With so much added to the free coefficients, the scale and the place."""
         values = dict(self.lens.coefficients)
