@@ -1,6 +1,6 @@
 """How pairs are fitted: rendered pictures against their truth, and what intervals cover.
 
-Run: python -m tests.benchmarks.pairs [fits]
+Run: python -m tests.benchmarks.pairs [fits] [rendered pairs]
 """
 
 from __future__ import annotations
@@ -71,9 +71,20 @@ def covered(lens: str, fits: int) -> float:
     return float(np.mean(held))
 
 
+def covered_in_pictures(lens: str, pairs: int) -> float:
+    """The same of small rendered pairs, matched and refined."""
+    held: list[bool] = []
+    for seed in range(pairs):
+        truth = pair.Pair(lens=board.LENSES[lens], size=(640, 480), seed=seed)
+        made = plumbline.calibrate_pair(*pair.take(truth))
+        for name, (low, high) in made.intervals.items():
+            held.append(low < truth.lens.coefficients[name] < high)
+    return float(np.mean(held))
+
+
 def main() -> None:
-    """Print both."""
-    fits = int(sys.argv[1]) if len(sys.argv) > 1 else 300
+    """Print all."""
+    fits, pairs = (int(n) for n in [*sys.argv[1:], *("300", "40")[len(sys.argv) - 1 :]])
     print("lens      matches  rms px  largest px  scale error  seconds")
     for name, lens in board.LENSES.items():
         row = rendered(pair.Pair(lens=lens))
@@ -89,6 +100,9 @@ def main() -> None:
         print(f"two scenes: {error.message}")
     for name in board.LENSES:
         print(f"{name}: {100 * covered(name, fits):.1f} % of the intervals of {fits} fits hold it")
+    for name in board.LENSES:
+        share = 100 * covered_in_pictures(name, pairs)
+        print(f"{name}: {share:.1f} % of the intervals of {pairs} rendered pairs hold it")
 
 
 if __name__ == "__main__":

@@ -13,6 +13,7 @@ from plumbline.boards.find import look_for_boards
 from plumbline.errors import OptionError
 from plumbline.photos.brightness import brightness
 from tests.boards.judging import judged
+from tests.boards.screen import monitor
 from tests.render import board as render
 from tests.render.optics import Pose, View
 
@@ -158,3 +159,40 @@ def test_a_grid_of_dots_is_no_board() -> None:
 def test_what_is_no_picture_is_refused(array: np.ndarray, words: str) -> None:
     with pytest.raises(OptionError, match=words):
         plumbline.find_board(array)
+
+
+def uneven(jitter: float) -> np.ndarray:
+    """A chequerboard of four-sided patches whose corners lie off a grid, as shares of a square."""
+    rng = np.random.default_rng(7)
+    side = 60
+    grid = np.stack(np.meshgrid(np.arange(11), np.arange(9)), -1) * side + 40.0
+    grid += rng.uniform(-jitter, jitter, grid.shape) * side
+    picture = np.full((560, 680), 230, dtype=np.uint8)
+    for row in range(8):
+        for column in range(row % 2, 10, 2):
+            around = grid[[row, row, row + 1, row + 1], [column, column + 1, column + 1, column]]
+            cv2.fillPoly(picture, [np.rint(around * 16).astype(np.int32)], 30, cv2.LINE_AA, 4)
+    return np.asarray(cv2.GaussianBlur(picture, (0, 0), 0.8), dtype=np.uint8)
+
+
+def test_corners_that_do_not_lie_in_a_grid_are_refused_with_the_reason() -> None:
+    assert len(plumbline.find_board(uneven(0.0))[0]) == 63
+    search = look_for_boards(brightness(uneven(0.17)))
+    assert search.boards == ()
+    assert search.reason == (
+        "corners of squares do not lie as in a grid: boards that overlap, or a screen whose pixels "
+        "show"
+    )
+
+
+@pytest.mark.parametrize("pitch_px", [1.05, 1.4, 2.1, 4.0])
+def test_moire_of_a_screen_leaves_corners_where_they_are(pitch_px: float) -> None:
+    """To a tenth of the screen's pixel, but for a common shift: its lit part is off the middle."""
+    picture, corners = monitor(pitch_px, 0.035)
+    (found,) = plumbline.find_board(picture)
+    offsets = found.corners_px[:, None] - corners
+    nearest = np.linalg.norm(offsets, axis=2).argmin(axis=1)
+    off = offsets[np.arange(len(found)), nearest]
+    assert len(found) >= 0.95 * len(corners)
+    assert np.abs(off).max() < 0.5 * max(pitch_px, 1.5)
+    assert np.std(off, axis=0).max() < 0.1 * max(pitch_px, 1.5)
