@@ -82,7 +82,11 @@ def _eight_bits(image: NDArray[Any]) -> Any:
 def _label(
     drawing: Any, text: str, at: NDArray[Any], colour: tuple[int, int, int], size: int
 ) -> None:
-    place = (int(at[0]), int(at[1]))
+    x, y = int(at[0]), int(at[1])
     plain = in_ascii(text)  # OpenCV's letters know no others
-    for shade, thick in (((0, 0, 0), size + 2), (colour, max(size // 2, 1))):
-        cv2.putText(drawing, plain, place, cv2.FONT_HERSHEY_SIMPLEX, 0.4 * size, shade, thick)
+    how = cv2.FONT_HERSHEY_SIMPLEX, 0.4 * size
+    thick = max(size // 2, 1)
+    # A thicker text behind would be wider in some versions of OpenCV: so the same one, all around.
+    for right, down in ((-1, -1), (-1, 1), (1, -1), (1, 1)):
+        cv2.putText(drawing, plain, (x + right, y + down), *how, (0, 0, 0), thick)
+    cv2.putText(drawing, plain, (x, y), *how, colour, thick)
