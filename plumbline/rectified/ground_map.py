@@ -20,15 +20,17 @@ from plumbline.imaging.maps.sampling_map import (
     TOLERANCE_PX,
     Coordinates,
     Tile,
+    between,
     refined,
     weights,
 )
 from plumbline.rectified.grid import Grid, farthest_depth
 
 _TILE, _SMALLEST = 256, 32
-_STEP = 16
+_STEP = 32
 _NEAR_PX = 64.0
-"""How far outside of the photo a place still counts when an interpolation is judged; chosen."""
+"""How far outside of the photo a place still counts when an interpolation is judged; chosen. Where
+nodes lie closer together than this and none of them counts, nothing between them shows either."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +88,7 @@ class GroundMap:
                 stretch = _stretch(fine, near, rows, columns)
                 yield tile, TileMap(rows, columns, coarse.astype(np.float32), None, stretch)
                 return
-        elif not near.any() and max(rows, columns) <= _SMALLEST:
+        elif not near.any() and (max(rows, columns) <= _SMALLEST or _longest(fine) < _NEAR_PX):
             return
         if max(rows, columns) > _SMALLEST:
             for quarter in _quarters(tile):
@@ -111,8 +113,8 @@ class GroundMap:
             part_x, over_columns = weights(
                 _finely(part.columns, across), max(part.columns, 2), count_x
             )
-            x, y = over_rows @ (part.nodes[:, part_y, part_x] @ over_columns.T)
-            return np.ascontiguousarray(x), np.ascontiguousarray(y)
+            x, y = between(part.nodes[:, part_y, part_x], over_rows, over_columns)
+            return x, y
         lost = ~(np.isfinite(x) & np.isfinite(y))
         x, y = np.where(lost, NOWHERE, x), np.where(lost, NOWHERE, y)
         return x.astype(np.float32), y.astype(np.float32)
@@ -184,6 +186,12 @@ def _stretch(
     step_x = (columns - 1) / max(places.shape[2] - 1, 1) or 1.0
     across, down = np.diff(places, axis=2) / step_x, np.diff(places, axis=1) / step_y
     return _largest(across[:, near[:, 1:]]), _largest(down[:, near[1:]])
+
+
+def _longest(places: Array) -> float:
+    """The longest way from a node to the next; infinite where one is nowhere."""
+    longest = np.max([np.max(np.abs(np.diff(places, axis=axis))) for axis in (1, 2)])
+    return float(longest) if np.isfinite(longest) else np.inf
 
 
 def _largest(moves: Array) -> float:

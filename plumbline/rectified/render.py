@@ -112,18 +112,22 @@ class Renderer:
         width, height = self.ground.grid.size
         colour = np.array(outside if self.pixels.ndim == 3 else outside[0], self.pixels.dtype)
         pixels = np.empty((height, width, *self.pixels.shape[2:]), dtype=self.pixels.dtype)
-        pixels[...] = colour
         shown = np.zeros((height, width), dtype=np.bool_)
 
         def fill(tile: Tile) -> int:
+            covered = False
             for part, places in self.ground.parts(tile):
                 filled, seen = self._part(part, places)
                 shown[part] = seen
-                if seen.all():
-                    pixels[part] = filled
-                else:
-                    where = seen[..., None] if filled.ndim == 3 else seen
-                    np.copyto(pixels[part], filled, where=where)
+                if part == tile and seen.all():
+                    pixels[tile], covered = filled, True
+                    break
+                if not covered:
+                    pixels[tile], covered = colour, True
+                where = seen[..., None] if filled.ndim == 3 else seen
+                np.copyto(pixels[part], filled, where=where)
+            if not covered:
+                pixels[tile] = colour
             if self.ground.fine(tile, 2).all():  # depth is linear: its ends are in the corners
                 return 0
             return int(np.count_nonzero(~self.ground.fine(tile)))

@@ -32,6 +32,7 @@ NOWHERE = -1e6
 _TILE = 256  # pixels a side: chosen, a tile and its map stay in a processor's cache
 _STEPS = (32, 16, 8)  # pixels between nodes, tried in this order; chosen
 _STENCIL = 4  # nodes of a cubic
+_STRIP = 64  # rows multiplied at once: for more, BLAS starts threads, beside those of the tiles
 _LOOKED_AT = 65  # nodes a side when looking for a fold; chosen, 1/64 of a side apart
 
 
@@ -66,7 +67,7 @@ class SamplingMap:
         nodes_y, nodes_x = self._shifts.shape[1:]
         part_y, across_rows = weights(rows, self.size[1], nodes_y)
         part_x, across_columns = weights(columns, self.size[0], nodes_x)
-        x, y = across_rows @ (self._shifts[:, part_y, part_x] @ across_columns.T)
+        x, y = between(self._shifts[:, part_y, part_x], across_rows, across_columns)
         x += columns.astype(np.float32)
         y += rows.astype(np.float32)[:, None]
         return x, y
@@ -171,6 +172,27 @@ def weights(positions: Array, side: int, nodes: int) -> tuple[slice, NDArray[np.
         share = np.prod([(t - other) / (node - other) for other in others], axis=0)
         shares[each, first - start + node] = share
     return slice(start, stop), shares
+
+
+def between(
+    nodes: NDArray[np.float32], over_rows: NDArray[np.float32], over_columns: NDArray[np.float32]
+) -> NDArray[np.float32]:
+    """Values between nodes, by `weights` of rows and columns.
+
+    Args:
+        nodes: Those that matter, shape (2, nodes, nodes).
+        over_rows: Shape (rows, nodes).
+        over_columns: Shape (columns, nodes).
+
+    Returns:
+        Shape (2, rows, columns).
+    """
+    across = nodes @ over_columns.T
+    values = np.empty((2, len(over_rows), len(over_columns)), dtype=np.float32)
+    for first in range(0, len(over_rows), _STRIP):
+        strip = slice(first, first + _STRIP)
+        np.matmul(over_rows[strip], across, out=values[:, strip])
+    return values
 
 
 def refined(coarse: Array) -> Array:
