@@ -40,7 +40,12 @@ Examples:
 @click.option(
     "--area", type=types.Names(), multiple=True, metavar="A,B,C,…", help="Of a polygon, m²."
 )
-@click.option("-o", "--output", metavar="FILE", help="Also write them: .csv, .json or .dxf.")
+@click.option(
+    "-o",
+    "--output",
+    metavar="FILE",
+    help="Also write them: .csv, .json, .dxf, or .html, the report with them.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print the values as JSON.")
 @options.overwriting
 def command(picks: str | None, saved: str, as_json: bool, **how: Any) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
@@ -13,6 +14,7 @@ from plumbline.files import read_bytes
 from plumbline.ground.rectification import Rectification
 from plumbline.photos.exif import read_photo
 from plumbline.photos.files.encode import encode, format_of
+from plumbline.photos.files.exif import of_another_size
 from plumbline.photos.files.metadata import Metadata, note_of
 from plumbline.photos.files.picture import Picture, Pixels, decode
 from plumbline.photos.turning import turned_upright
@@ -106,8 +108,18 @@ def rectify_picture(
     pixels = rendered.pixels
     if border == "transparent" and not source.alpha:
         pixels = _with_alpha(pixels, rendered)
-    picture = replace(source, pixels=pixels, metadata=Metadata(icc=source.metadata.icc))
-    return RectifiedPicture(picture, rendered, grid, _cut_notes(rendered, request))
+    metadata, notes = _metadata(source, grid)
+    picture = replace(source, pixels=pixels, metadata=metadata)
+    return RectifiedPicture(picture, rendered, grid, (*_cut_notes(rendered, request), *notes))
+
+
+def _metadata(source: Picture, grid: Grid) -> tuple[Metadata, tuple[str, ...]]:
+    """EXIF and the colour profile of the photo, and a note where EXIF cannot be kept."""
+    icc = source.metadata.icc
+    try:
+        return Metadata(of_another_size(source.metadata.exif, grid.size), icc), ()
+    except (ValueError, struct.error):
+        return Metadata(icc=icc), ("EXIF is damaged and was not kept",)
 
 
 def picture_files(

@@ -258,3 +258,23 @@ def test_a_world_file_is_six_numbers_of_a_plane(tmp_path: Path) -> None:
             read_world(tmp_path / "a.png")
     (tmp_path / "a.pgw").write_text("0,5\n0\n0\n-0,5\n10\n20\n")
     assert read_world(tmp_path / "a.png").resolution_m == 0.5
+
+
+@pytest.mark.parametrize("name", ["out.jpg", "out.png", "out.tif"])
+def test_exif_is_carried_and_tells_the_new_size(photo: Array, tmp_path: Path, name: str) -> None:
+    path = tmp_path / "photo.jpg"
+    image = Image.fromarray(np.rint(photo).astype(np.uint8))
+    tags = image.getexif()
+    tags[0x010F], tags[0x0112] = "Maker", 1
+    tags.get_ifd(0x8769).update({0x9003: "2024:05:06 07:08:09", 0xA002: 512, 0xA003: 384})
+    image.save(path, exif=tags)
+    target, request = tmp_path / name, PictureRequest(0.05)
+    made = rectify_picture(rectification(camera()), path, target, request)
+    files, _ = picture_files(made, target, request, "x")
+    target.write_bytes(files[target])
+    with Image.open(target) as written:
+        told = written.getexif()
+        assert (told[0x010F], told[0x0112]) == ("Maker", 1)
+        own = told.get_ifd(0x8769)
+        assert own[0x9003] == "2024:05:06 07:08:09"
+        assert (own[0xA002], own[0xA003]) == written.size

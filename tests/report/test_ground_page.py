@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -29,6 +30,25 @@ def test_the_page_says_what_there_is_to_say(tmp_path: Path) -> None:
     assert len(root.xpath("//figure")) == 3
     assert "times as large" in text
     assert b"http://" not in page.replace(b"http://www.w3.org", b"")
+
+
+def test_measurements_stand_on_the_page(tmp_path: Path) -> None:
+    how = ("--points", matches(tmp_path), "--ptlens", "b=-0.02", "--no-picture")
+    plumbline("rectify", photo(tmp_path), *how, home=tmp_path)
+    asked = ("--from", tmp_path / "road_rectified.json", "--place", "A", "--distance", "A,B")
+    page = tmp_path / "measured.html"
+    done = plumbline("measure", *asked, "-o", page, "--json", home=tmp_path)
+    assert done.returncode == 0, done.stderr
+    place, distance = json.loads(done.stdout)["measurements"]
+    (first, second) = html.fromstring(page.read_bytes()).xpath("//section/table | //section/div")[
+        :2
+    ]
+    assert f"{place['values'][0]:.3f}" in " ".join(first.itertext())
+    told = " ".join(second.itertext())
+    low, high = distance["intervals_95"][0]
+    assert "distance A-B" in told
+    assert f"{distance['values'][0]:.3f} m" in told
+    assert f"{(high - low) / 2:.3f}" in told
 
 
 def test_report_takes_a_rectification(tmp_path: Path) -> None:

@@ -39,12 +39,12 @@ def draw_ground(result: str, output: str | None, photo: str | None, *, overwrite
     refuse_unknown_suffix(target, (".html",), "reports")
     refuse_to_clobber(target, [result], overwrite=overwrite)
     stored = read_rectification(result)
-    page = ground_page(stored, _pixels(stored, Path(result), photo))
+    page = ground_page(stored, pixels_of(stored, Path(result), photo))
     write_atomically({target: page})
     return target
 
 
-def _pixels(stored: StoredRectification, result: Path, photo: str | None) -> Any:
+def pixels_of(stored: StoredRectification, result: Path, photo: str | None = None) -> Any:
     """The photo, upright and not larger than a page shows; None where it is not at hand."""
     from PIL import Image, ImageOps
 

@@ -13,6 +13,7 @@ from typing import Any
 import click
 import numpy as np
 
+from plumbline.cli.tools.ground_report import pixels_of
 from plumbline.errors import OptionError, WriteError, printable
 from plumbline.files import refuse_to_clobber, write_atomically
 from plumbline.ground.measure import KINDS, Kind, Measurement
@@ -33,7 +34,7 @@ def run(picks: str | None, saved: str, how: Mapping[str, Any], *, as_json: bool)
     if how["output"]:
         target = Path(how["output"])
         refuse_to_clobber(target, [saved, *([picks] if picks else [])], overwrite=how["overwrite"])
-        contents[target] = _file(target, stored, points, measurements)
+        contents[target] = _file(target, stored, Path(saved), points, measurements)
     write_atomically(contents)
     if as_json:
         click.echo(_json(stored, measurements), nl=False)
@@ -93,6 +94,7 @@ def _all(found: Rectification, picks: Mapping[str, object]) -> Iterator[tuple[Ki
 def _file(
     target: Path,
     stored: StoredRectification,
+    saved: Path,
     points: Mapping[str, tuple[float, float]],
     measurements: Sequence[Measurement],
 ) -> bytes:
@@ -101,6 +103,10 @@ def _file(
         from plumbline.rectified.dxf import dxf_bytes
 
         return dxf_bytes(stored.rectification, points, measurements)
+    if suffix == ".html":
+        from plumbline.report.page.ground import ground_page
+
+        return ground_page(stored, pixels_of(stored, saved), measurements)
     if suffix == ".json":
         return _json(stored, measurements).encode()
     if suffix == ".csv":
@@ -108,7 +114,7 @@ def _file(
     raise WriteError(
         f"measurements are not written as {suffix or 'files without a suffix'}",
         path=target,
-        hint="use .csv, .json or .dxf",
+        hint="use .csv, .json, .dxf or .html",
     )
 
 

@@ -8,12 +8,15 @@ the old one.
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from plumbline.photos.files.ifd import (
+    LONG,
+    MOST_FIELDS,
     NEXT_IMAGE_BYTES,
     NEXT_IMAGE_OFFSET,
+    SHORT,
     SIZES,
     SOFTWARE,
     Field,
@@ -28,6 +31,10 @@ from plumbline.photos.files.ifd import (
 )
 
 Refresh = Callable[[bytes], bytes | None]
+
+_ORIENTATION, _EXIF = 0x0112, 34665
+_WIDTHS, _HEIGHTS = (0x0100, 0xA002), (0x0101, 0xA003)
+"""ImageWidth and PixelXDimension, ImageLength and PixelYDimension."""
 
 _LARGE_FIELD = 2048
 """Chosen because only maker notes, previews and private blocks are longer."""
@@ -73,6 +80,47 @@ def annotated(block: bytes, note: str, refresh: Refresh, most: int | None = None
     if len(noted.block) <= most:
         return noted
     return Annotated(with_thumbnail if len(with_thumbnail) <= most else bare, noted=False)
+
+
+def of_another_size(block: bytes, size: tuple[int, int]) -> bytes:
+    """The block for an upright picture of another size: what it says of both is replaced.
+
+    Args:
+        block: The EXIF block; may be empty.
+        size: Width and height of the picture.
+
+    Raises:
+        ValueError, struct.error: the block makes no sense.
+    """
+    if not block:
+        return block
+    order, changed = byte_order(block), bytearray(block)
+    values = dict(zip(_WIDTHS + _HEIGHTS, (size[0],) * 2 + (size[1],) * 2, strict=True))
+    for at in _directories(block):
+        for place, (tag, kind, count) in _places(block, at):
+            value = 1 if tag == _ORIENTATION else values.get(tag)
+            if value is not None and count == 1 and kind in (SHORT, LONG):
+                struct.pack_into(order + ("H" if kind == SHORT else "I"), changed, place, value)
+    return bytes(changed)
+
+
+def _directories(block: bytes) -> list[int]:
+    """Where the first directory and EXIF's own begin."""
+    order, first = byte_order(block), first_directory(block)
+    found = [first]
+    for place, (tag, _, _) in _places(block, first):
+        if tag == _EXIF:
+            found += struct.unpack_from(order + "I", block, place)
+    return found
+
+
+def _places(block: bytes, at: int) -> Iterator[tuple[int, tuple[int, int, int]]]:
+    """Where the value of each entry of a directory lies, and its tag, kind and count."""
+    order = byte_order(block)
+    (count,) = struct.unpack_from(order + "H", block, at)
+    for start in range(at + 2, at + 2 + 12 * min(count, MOST_FIELDS), 12):
+        tag, kind, values = struct.unpack_from(order + "HHI", block, start)
+        yield start + 8, (tag, kind, values)
 
 
 def shortened(block: bytes) -> tuple[bytes, int]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from importlib.resources import files
 from typing import Any
 
@@ -13,22 +13,29 @@ from plumbline._version import __version__
 from plumbline.files import MARK
 from plumbline.frame import Array
 from plumbline.ground.ellipses import ellipse
+from plumbline.ground.measure import Measurement
 from plumbline.ground.rectification import Rectification
 from plumbline.ground.stored import StoredRectification
 from plumbline.report.figures import style
 from plumbline.report.figures.ground import error_map_figure, photo_figure, plan_figure
 from plumbline.report.page.inline_svg import inline
 from plumbline.report.page.markup import Element, Node, document, table, tag
+from plumbline.report.page.measured import measured
 from plumbline.report.terminal.rectification import BUDGET, ahead
 from plumbline.wording import number
 
 
-def ground_page(stored: StoredRectification, pixels: NDArray[np.uint8] | None) -> bytes:
+def ground_page(
+    stored: StoredRectification,
+    pixels: NDArray[np.uint8] | None,
+    measurements: Sequence[Measurement] = (),
+) -> bytes:
     """The page of a rectification.
 
     Args:
         stored: The rectification as it was saved.
         pixels: The photo, upright, red, green and blue; None where it is not at hand.
+        measurements: What was measured, shown first.
     """
     title = f"Rectified: {stored.photo}"
     sheet = tag("style")
@@ -44,7 +51,7 @@ def ground_page(stored: StoredRectification, pixels: NDArray[np.uint8] | None) -
     body = tag(
         "body",
         tag("header", tag("h1", title)),
-        tag("main", tag("section", *_section(stored, pixels))),
+        tag("main", tag("section", *measured(measurements), *_section(stored, pixels))),
         tag("footer", f"Made by plumbline {__version__}."),
     )
     return document(head, body)

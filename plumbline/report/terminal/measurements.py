@@ -13,7 +13,8 @@ from plumbline.errors import printable
 from plumbline.ground.measure import Measurement
 from plumbline.wording import number
 
-_DIGITS = {"place": 3, "distance": 3, "angle": 2, "area": 2}
+DIGITS = {"place": 3, "distance": 3, "angle": 2, "area": 2}
+"""Decimal places of each kind; chosen: millimetres, hundredths of degrees and square metres."""
 
 
 def print_measurements(console: Console, measurements: Sequence[Measurement]) -> None:
@@ -46,7 +47,7 @@ def _values(measurements: Sequence[Measurement]) -> Table:
         table.add_column(heading, justify="right" if right else "left", no_wrap=heading != "of")
     for each in measurements:
         low, high = each.intervals[0]
-        digits = _DIGITS[each.kind]
+        digits = DIGITS[each.kind]
         table.add_row(
             each.kind,
             _plain("-".join(each.names)),

@@ -453,3 +453,18 @@ def test_an_empty_directory_of_the_original_is_left_out(tmp_path: Path) -> None:
         assert 34853 not in found.getexif()
     again = plumbline.correct(done.output, BARREL, tmp_path / "c.tif")
     assert not any("damaged" in note for note in again.notes)
+
+
+@pytest.mark.parametrize("order", ["<", ">"])
+def test_a_block_of_another_size_is_upright(order: str) -> None:
+    """Built by hand: IFD0 with an orientation and a link to EXIF's own directory."""
+    first = struct.pack(order + "HHHI", 2, 0x0112, 3, 1) + struct.pack(order + "HH", 6, 0)
+    first += struct.pack(order + "HHIII", 0x8769, 4, 1, 38, 0)
+    own = struct.pack(order + "HHHIIHHII", 2, 0xA002, 4, 1, 4000, 0xA003, 4, 1, 3000)
+    mark = b"II*\0" if order == "<" else b"MM\0*"
+    block = mark + struct.pack(order + "I", 8) + first + own + struct.pack(order + "I", 0)
+    found = Image.Exif()
+    found.load(b"Exif\0\0" + exif.of_another_size(block, (70, 90)))
+    assert found[0x0112] == 1
+    assert (found.get_ifd(0x8769)[0xA002], found.get_ifd(0x8769)[0xA003]) == (70, 90)
+    assert exif.of_another_size(b"", (1, 1)) == b""
