@@ -6,6 +6,7 @@ import csv
 import io
 import json
 from collections.abc import Iterator, Mapping, Sequence
+from hashlib import sha256
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,8 @@ import numpy as np
 
 from plumbline.cli.tools.ground_report import pixels_of
 from plumbline.errors import OptionError, WriteError, printable
-from plumbline.files import refuse_to_clobber, write_atomically
+from plumbline.files import read_bytes, refuse_to_clobber, write_atomically
+from plumbline.ground.findings import InputFile
 from plumbline.ground.measure import KINDS, Kind, Measurement
 from plumbline.ground.reading.matches import read_matches
 from plumbline.ground.rectification import Rectification
@@ -34,7 +36,7 @@ def run(picks: str | None, saved: str, how: Mapping[str, Any], *, as_json: bool)
     if how["output"]:
         target = Path(how["output"])
         refuse_to_clobber(target, [saved, *([picks] if picks else [])], overwrite=how["overwrite"])
-        contents[target] = _file(target, stored, Path(saved), points, measurements)
+        contents[target] = _file(target, stored, (saved, picks), points, measurements)
     write_atomically(contents)
     if as_json:
         click.echo(_json(stored, measurements), nl=False)
@@ -94,7 +96,7 @@ def _all(found: Rectification, picks: Mapping[str, object]) -> Iterator[tuple[Ki
 def _file(
     target: Path,
     stored: StoredRectification,
-    saved: Path,
+    sources: tuple[str, str | None],
     points: Mapping[str, tuple[float, float]],
     measurements: Sequence[Measurement],
 ) -> bytes:
@@ -106,7 +108,11 @@ def _file(
     if suffix == ".html":
         from plumbline.report.page.ground import ground_page
 
-        return ground_page(stored, pixels_of(stored, saved), measurements)
+        saved, picks = sources
+        inputs = (
+            [InputFile(Path(picks).name, sha256(read_bytes(picks)).hexdigest())] if picks else []
+        )
+        return ground_page(stored, pixels_of(stored, Path(saved)), measurements, inputs)
     if suffix == ".json":
         return _json(stored, measurements).encode()
     if suffix == ".csv":

@@ -13,6 +13,7 @@ from plumbline._version import __version__
 from plumbline.files import MARK
 from plumbline.frame import Array
 from plumbline.ground.ellipses import ellipse
+from plumbline.ground.findings import InputFile
 from plumbline.ground.measure import Measurement
 from plumbline.ground.rectification import Rectification
 from plumbline.ground.stored import StoredRectification
@@ -29,13 +30,15 @@ def ground_page(
     stored: StoredRectification,
     pixels: NDArray[np.uint8] | None,
     measurements: Sequence[Measurement] = (),
+    inputs: Sequence[InputFile] = (),
 ) -> bytes:
     """The page of a rectification.
 
     Args:
         stored: The rectification as it was saved.
         pixels: The photo, upright, red, green and blue; None where it is not at hand.
-        measurements: What was measured, shown first.
+        measurements: What was measured.
+        inputs: The files that these came from.
     """
     title = f"Rectified: {stored.photo}"
     sheet = tag("style")
@@ -51,15 +54,21 @@ def ground_page(
     body = tag(
         "body",
         tag("header", tag("h1", title)),
-        tag("main", tag("section", *measured(measurements), *_section(stored, pixels))),
+        tag("main", tag("section", *_section(stored, pixels, measurements, inputs))),
         tag("footer", f"Made by plumbline {__version__}."),
     )
     return document(head, body)
 
 
-def _section(stored: StoredRectification, pixels: NDArray[np.uint8] | None) -> Iterator[Node]:
+def _section(
+    stored: StoredRectification,
+    pixels: NDArray[np.uint8] | None,
+    measurements: Sequence[Measurement],
+    inputs: Sequence[InputFile],
+) -> Iterator[Node]:
     found = stored.rectification
     yield from _camera(found)
+    yield from measured(measurements)
     shown = "" if pixels is not None else " The photo itself is not at hand."
     yield _figure(
         1,
@@ -85,7 +94,7 @@ def _section(stored: StoredRectification, pixels: NDArray[np.uint8] | None) -> I
     notes = found.findings.notes
     yield tag("ul", *(tag("li", note) for note in notes)) if notes else tag("p", "None.")
     yield tag("h3", "How it was made")
-    yield tag("dl", *(node for pair in _provenance(stored) for node in pair))
+    yield tag("dl", *(node for pair in _provenance(stored, inputs) for node in pair))
 
 
 def _camera(found: Rectification) -> Iterator[Node]:
@@ -125,6 +134,7 @@ def _budget(found: Rectification) -> Element:
     rows += [
         [BUDGET.get(kind, kind), *(f"{_root(share[kind]):.3f}" for share in shares)]
         for kind in (shares[0] if shares else ())
+        if any(_root(share[kind]) > 0 for share in shares)
     ]
     ellipses = [ellipse(each) for each in sure]
     rows.append(["95 % ellipse", *(f"{long:.2f} × {short:.2f}" for long, short, _ in ellipses)])
@@ -177,7 +187,9 @@ def _doubts(found: Rectification) -> Element:
     return tag("ul", *items) if items else tag("p", "None.")
 
 
-def _provenance(stored: StoredRectification) -> Iterator[tuple[Node, Node]]:
+def _provenance(
+    stored: StoredRectification, inputs: Sequence[InputFile]
+) -> Iterator[tuple[Node, Node]]:
     told = stored.rectification.findings
 
     def row(name: str, *content: Node) -> tuple[Node, Node]:
@@ -188,7 +200,7 @@ def _provenance(stored: StoredRectification) -> Iterator[tuple[Node, Node]]:
         yield row("command", tag("code", stored.command))
     for name, digest in (
         (stored.photo, stored.photo_sha256),
-        *((each.name, each.sha256) for each in told.inputs),
+        *((each.name, each.sha256) for each in (*told.inputs, *inputs)),
     ):
         yield row("file", name, tag("br"), tag("code", f"SHA-256 {digest}"))
     yield row("lens", told.lens)
