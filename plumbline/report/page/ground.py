@@ -22,7 +22,7 @@ from plumbline.report.figures.ground import error_map_figure, photo_figure, plan
 from plumbline.report.page.inline_svg import inline
 from plumbline.report.page.markup import Element, Node, document, table, tag
 from plumbline.report.page.measured import measured
-from plumbline.report.terminal.rectification import BUDGET, ahead
+from plumbline.report.terminal.rectification import BUDGET, LEAST_SHOWN_M, ahead
 from plumbline.wording import number
 
 
@@ -134,7 +134,7 @@ def _budget(found: Rectification) -> Element:
     rows += [
         [BUDGET.get(kind, kind), *(f"{_root(share[kind]):.3f}" for share in shares)]
         for kind in (shares[0] if shares else ())
-        if any(_root(share[kind]) > 0 for share in shares)
+        if any(_root(share[kind]) >= LEAST_SHOWN_M for share in shares)
     ]
     ellipses = [ellipse(each) for each in sure]
     rows.append(["95 % ellipse", *(f"{long:.2f} × {short:.2f}" for long, short, _ in ellipses)])

@@ -17,7 +17,9 @@ from plumbline.wording import number
 
 _MOST_POINTS = 30
 _MOST_ADVICE = 3
-_LEAST_SHOWN_M = 0.0005
+LEAST_SHOWN_M = 0.0005
+"""Least part of the budget that is shown; chosen, half a millimetre, the last digit printed."""
+
 BUDGET = {
     "picks": "picks of the points",
     "points": "places of the points",
@@ -144,7 +146,7 @@ def _budget(found: Rectification) -> Table:
     table.add_row("standard error", *(f"{_root(each):.3f}" for each in sure))
     for kind in shares[0] if shares else ():
         roots = [_root(share[kind]) for share in shares]
-        if max(roots) >= _LEAST_SHOWN_M:
+        if max(roots) >= LEAST_SHOWN_M:
             table.add_row(f"  {BUDGET.get(kind, kind)}", *(f"{root:.3f}" for root in roots))
     ellipses = [ellipse(each) for each in sure]
     table.add_row("95 % ellipse", *(f"{long:.2f} x {short:.2f}" for long, short, _ in ellipses))
