@@ -43,7 +43,7 @@ def test_measurements_stand_on_the_page(tmp_path: Path) -> None:
     (first, second) = html.fromstring(page.read_bytes()).xpath("//section/table | //section/div")[
         :2
     ]
-    assert f"{place['values'][0]:.3f}" in " ".join(first.itertext())
+    assert f"{place['values'][0]:.3f}".replace("-", "−") in " ".join(first.itertext())
     told = " ".join(second.itertext())
     low, high = distance["intervals_95"][0]
     assert "distance A-B" in told

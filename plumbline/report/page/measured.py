@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from plumbline.ground.measure import Measurement
 from plumbline.report.page.markup import Element, Node, table, tag
 from plumbline.report.terminal.measurements import DIGITS
+from plumbline.wording import number
 
 
 def measured(measurements: Sequence[Measurement]) -> Iterator[Node]:
@@ -29,7 +30,7 @@ def _places(places: Sequence[Measurement]) -> Element:
         long, short, angle = each.ellipse or (0.0, 0.0, 0.0)
         numbers: list[Node] = []
         for value, (low, high) in zip(each.values, each.intervals, strict=True):
-            numbers += [f"{value:.3f}", f"{(high - low) / 2:.3f}"]
+            numbers += [number(value, ".3f"), f"{(high - low) / 2:.3f}"]
         rows.append([each.names[0], *numbers, f"{long:.3f} × {short:.3f}", f"{angle:.0f}°"])
     return table(heads, rows)
 
