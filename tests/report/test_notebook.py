@@ -58,7 +58,7 @@ def test_a_notebook_shows_the_finding_and_the_coefficients() -> None:
     rows = [[cell.text_content() for cell in row.iter("th", "td")] for row in table.iter("tr")]
     assert [row[0] for row in rows[1:]] == [*"abcde"]
     for name, shown, _, error, *_ in rows[1:4]:
-        assert float(shown) == pytest.approx(made.coefficients[name], abs=5e-7)
+        assert float(shown.replace("−", "-")) == pytest.approx(made.coefficients[name], abs=5e-7)
         assert float(error[2:]) == pytest.approx(made.standard_errors[name], abs=5e-7)
 
 
