@@ -45,7 +45,7 @@ def edges_of(lens: Lens, observations: Observations, sigma_px: float) -> NDArray
     photo = np.array([line.photo for line in observations.lines])
     near_px = max(_APART * sigma_px, _LEAST_PX)
     pairs = [
-        pair[:, (photo[pair[0]] == photo[pair[1]]) & _same(lines, reach, *pair, near_px)]
+        pair[:, (photo[pair[0]] == photo[pair[1]]) & _same(lines, reach, pair[0], pair[1], near_px)]
         for pair in _alike(lines, reach, near_px)
     ]
     return _joined(len(sizes), np.concatenate(pairs, axis=1))

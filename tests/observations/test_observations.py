@@ -141,8 +141,9 @@ def test_lines_of_another_type_are_refused_in_words_of_python(lines: Any) -> Non
     ids=str,
 )
 def test_other_arguments_of_another_type_likewise(more: dict[str, Any]) -> None:
+    more = {"size": SIZE} | more
     with pytest.raises(OptionError) as caught:
-        Observations.from_arrays([EDGE, LOWER], **{"size": SIZE, **more})
+        Observations.from_arrays([EDGE, LOWER], **more)
     assert "--" not in f"{caught.value} {caught.value.hint}"
 
 

@@ -19,6 +19,10 @@ from tests.report.made import SCRIPT, building, hostile
 PNG = b"\x89PNG"
 
 
+def shown_in_a_notebook(made: Any) -> str:
+    return made._repr_html_()
+
+
 @pytest.mark.parametrize("name", FIGURES)
 def test_every_figure_is_a_method_that_returns_it(name: str) -> None:
     figure = getattr(building().plot, name)()
@@ -45,7 +49,7 @@ def test_a_figure_survives_another_process() -> None:
 
 def test_a_notebook_shows_the_finding_and_the_coefficients() -> None:
     made = building()
-    page = html.fragment_fromstring(made._repr_html_())
+    page = html.fragment_fromstring(shown_in_a_notebook(made))
     text = page.text_content()
     assert finding_sentence(made) in text
     assert made.quoted is not None
@@ -54,12 +58,12 @@ def test_a_notebook_shows_the_finding_and_the_coefficients() -> None:
     rows = [[cell.text_content() for cell in row.iter("th", "td")] for row in table.iter("tr")]
     assert [row[0] for row in rows[1:]] == [*"abcde"]
     for name, shown, _, error, *_ in rows[1:4]:
-        assert float(shown) == pytest.approx(made.coefficients[name], abs=5e-7)
+        assert float(shown.replace("−", "-")) == pytest.approx(made.coefficients[name], abs=5e-7)
         assert float(error[2:]) == pytest.approx(made.standard_errors[name], abs=5e-7)
 
 
 def test_names_from_files_are_text_in_a_notebook() -> None:
-    assert SCRIPT not in hostile()._repr_html_()
+    assert SCRIPT not in shown_in_a_notebook(hostile())
 
 
 def test_repr_is_one_line() -> None:
