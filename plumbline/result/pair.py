@@ -121,6 +121,7 @@ class PairCalibration(Calibration):
             self.suspects,
             self.robust,
             self.bootstrap,
+            self.rival_px,
             self.setting,
         )
 

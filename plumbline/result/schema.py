@@ -173,6 +173,7 @@ class ResultRecord(Head, frozen=True, kw_only=True):
     robust: bool = False
     checks: tuple[Check, ...] | None = None
     suspects: tuple[SuspectRecord, ...] = ()
+    rival_px: Number | None = None
     converged: bool
     reason: str
     finding: Finding | None = None

@@ -76,6 +76,7 @@ def record_of(calibration: Calibration) -> ResultRecord:
         robust=calibration.robust,
         checks=calibration.checks,
         suspects=tuple(_suspect(calibration, each) for each in calibration.suspects),
+        rival_px=calibration.rival_px,
         converged=calibration.converged,
         reason=calibration.reason,
         finding=calibration.finding,

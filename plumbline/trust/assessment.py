@@ -51,6 +51,7 @@ class Assessment:
         suspects: Picks that a robust fit finds wrong.
         robust: Whether suspicious picks were left out.
         bootstrap: Repeated fits to resampled residuals, where they were asked for.
+        rival_px: How far another lens, under which the picks agree as well, is from this one.
     """
 
     observations: Observations
@@ -63,6 +64,7 @@ class Assessment:
     suspects: tuple[Suspect, ...]
     robust: bool
     bootstrap: Bootstrap | None
+    rival_px: float | None
 
     @property
     def standard_errors(self) -> dict[str, float]:

@@ -90,7 +90,7 @@ def suspects_of(calibration: Calibration, found: Robust) -> tuple[Suspect, ...]:
     kept = np.concatenate(calibration.kept)
     sigma_px = np.full(linear.n_lines, calibration.sigma_px)
     rounding_px = rounded(found.picks.finest_px)
-    bend_px, bent = bends(linear.line, linear.along_px, linear.image_px, sigma_px, rounding_px)
+    bend_px, bent, _ = bends(linear.line, linear.along_px, linear.image_px, sigma_px, rounding_px)
     away = {int(n): _other_line(scene, int(n)) for n in np.flatnonzero(~kept)}
     unsure = ~kept & ~found.agreed.kept & ~found.agreed.wrong
     unclear = set(np.flatnonzero(unsure).tolist())
