@@ -29,6 +29,7 @@ from plumbline.trust.model_error import ModelError, model_error
 from plumbline.trust.nuisances import DECENTRING, RADIAL, Nuisances, nuisances_of
 from plumbline.trust.picked import picked_range_px, reached_share
 from plumbline.trust.quoted import Quoted
+from plumbline.trust.refit import Refit
 from plumbline.trust.steadiness import Steadiness, steadiness
 from plumbline.trust.student import widening
 from plumbline.trust.suspect import Suspect
@@ -121,7 +122,9 @@ class Assessment:
     @cached_property
     def jackknife(self) -> Jackknife | None:
         """How much the result depends on each line; None where it needs one of them."""
-        return jackknife(self.linearised, self.edges)
+        lines_px = in_frame(self.observations, self.lens.frame)
+        refit = Refit(self.lens, self.free, lines_px)
+        return jackknife(self.linearised, self.edges, refit, self.sigma_px)
 
     @cached_property
     def edges(self) -> NDArray[np.int64]:
