@@ -234,7 +234,10 @@ class Assessment:
         if self.jackknife is None or self.steadiness is None:
             return own * widening(self.dof)
         wide = errors_of(moved[..., : len(self.free)], self.jackknife.covariance)
-        return np.maximum(own * widening(self.dof), self.steadiness.pooled(own, wide))
+        wrong = self.besides.unlike(RADIAL) or self.besides.unlike(DECENTRING)
+        by_lines = self.steadiness.alarmed and not wrong
+        pooled = self.steadiness.pooled(own, wide, by_lines=by_lines)
+        return np.maximum(own * widening(self.dof), pooled)
 
     def _worst_px(self, moved: Array) -> float:
         """The largest error to quote of points that move so."""
