@@ -31,10 +31,13 @@ from plumbline.trust.picked import picked_range_px, reached_share
 from plumbline.trust.quoted import Quoted
 from plumbline.trust.refit import Refit
 from plumbline.trust.steadiness import Steadiness, steadiness
-from plumbline.trust.student import widening
+from plumbline.trust.student import quantile, widening
 from plumbline.trust.suspect import Suspect
 
 ResidualKind = Literal["image", "corrected"]
+
+_MANY = 10**6
+"""Degrees of freedom of the normal distribution, as far as anyone can tell."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,7 +192,7 @@ class Assessment:
         picks_px = self._picks_px(moved)
         total_px = np.hypot(picks_px, missed[""])
         worst, none = int(np.argmax(total_px)), np.zeros(len(total_px))
-        flat = self._motions(perspective=True)
+        flat = self._motions(self.range_px, perspective=True)
         return Quoted(
             Displacement(self.range_px, total_px),
             float(picks_px[worst]),
@@ -200,6 +203,25 @@ class Assessment:
             self.reached,
         )
 
+    def quoted_errors_px(self, points_px: Array) -> Array | None:
+        """The error to quote at any points of the photo, one standard error, shape (n,).
+
+        Args:
+            points_px: Observed points, shape (n, 2).
+
+        Returns:
+            None where the model folds before it reaches one of them, or among the picks.
+        """
+        moved = self._motions(points_px, perspective=None)
+        if moved is None or self.quoted is None:
+            return None
+        return np.hypot(self._picks_px(moved), self.besides.steps[""][0].missed_px(moved))
+
+    @property
+    def interval_factor(self) -> float:
+        """Standard errors to quote in a 95 % interval; they are widened for their freedom."""
+        return quantile(0.975, _MANY)
+
     @property
     def quoted_displacement(self) -> Displacement | None:
         """Standard errors of the correction to quote."""
@@ -208,13 +230,13 @@ class Assessment:
     @cached_property
     def _moved(self) -> Array | None:
         """How points within the range move with coefficients and nuisances, (n, 2, k + m)."""
-        return self._motions(perspective=None)
+        return self._motions(self.range_px, perspective=None)
 
-    def _motions(self, *, perspective: bool | None) -> Array | None:
+    def _motions(self, points_px: Array, *, perspective: bool | None) -> Array | None:
         return motions(
             self.lens,
             self.free,
-            self.range_px,
+            points_px,
             gauge_px=self.range_px,
             nuisances=self.nuisances,
             perspective=perspective,
