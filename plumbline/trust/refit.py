@@ -84,10 +84,10 @@ class Refit:
         at = np.zeros(len(self.free))
         square = self._square(picks, at)
         for _ in range(_MOST_STEPS):
-            jacobian = self._jacobian(picks, at)
-            if not np.all(np.isfinite(jacobian)):
+            jacobian, residual = self._jacobian(picks, at), self._residual(picks, at)
+            if not (np.all(np.isfinite(jacobian)) and np.all(np.isfinite(residual))):
                 break
-            step = np.linalg.lstsq(jacobian, -self._residual(picks, at), rcond=None)[0]
+            step = np.linalg.lstsq(jacobian, -residual, rcond=None)[0]
             if np.linalg.norm(jacobian @ step) <= _ENDED * np.linalg.norm(jacobian @ at):
                 return at + step
             least = _NOTHING * (np.abs(at) + np.abs(step))

@@ -30,6 +30,6 @@ def shape_across(points: Array, sizes: NDArray[np.int64], aspect: Array | float)
     """
     if np.all(np.equal(aspect, 1.0)):
         return np.ones(len(points))
-    known = np.isfinite(points).all(axis=1)
-    rough = fit_lines(points, sizes, known.astype(np.float64)).across[line_numbers(sizes)]
+    known: Array = np.where(np.isfinite(points).all(axis=1), 1.0, 0.0)
+    rough = fit_lines(points, sizes, known).across[line_numbers(sizes)]
     return np.hypot(rough[:, 0] * aspect, rough[:, 1])
