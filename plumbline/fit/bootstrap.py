@@ -104,7 +104,9 @@ def _resampling(
     ideal = undistorted(lens, observed_px)
     lines = fit_lines(ideal.uv, problem.packed.sizes, linear.kept.astype(np.float64))
     across = np.einsum("nij,ni->nj", ideal.stretch, lines.across[linear.line])
-    across = across / np.hypot(*across.T)[:, None] / problem.blank.unit_px
+    # One pixel of the photograph across the line, where picks err; then in normalised units.
+    across = across * np.array((ideal.aspect, 1.0))
+    across = across / np.hypot(*across.T)[:, None] * lens.frame.per_px(problem.blank.unit_px)
     block, cells = problem.packed.block, problem.packed.cells
     rows = np.flatnonzero(linear.kept)
     fitted = problem.packed.unpack(block.xy)

@@ -201,6 +201,7 @@ def _problem(planned: _Planned, packed: Packed, residual: ResidualKind) -> Probl
         unit_px=unit_px,
         gauge_radius=model.gauge * radius,
         corner=blank.frame.corner_radius * radius,
+        aspect=float(blank.frame.pixel_aspect),
     )
     kept = np.ones(len(packed.cells), dtype=np.bool_)
     return Problem(observations, model, chosen, residual, packed, kept, task, blank, to_px, dof)

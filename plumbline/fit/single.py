@@ -18,11 +18,13 @@ from plumbline.fit.program.task import Solution
 from plumbline.fit.robust.fits import Robust, robust_fits
 from plumbline.fit.robust.screening import reach
 from plumbline.fit.robust.suspects import suspects_of
+from plumbline.geometry.lens import Lens
 from plumbline.models import get_model
 from plumbline.observations import Observations
 from plumbline.result.calibration import Calibration
 from plumbline.trust.assessment import ResidualKind
-from plumbline.trust.suspect import Suspect
+from plumbline.trust.displacement import difference_px
+from plumbline.trust.rival import APART
 from plumbline.wording import count, number
 
 _Found: TypeAlias = Robust | DegenerateLinesError | None
@@ -89,7 +91,23 @@ def _suspecting(found: Robust | DegenerateLinesError) -> Calibration:
     if isinstance(found, DegenerateLinesError):
         raise found
     calibration = finish(found.problem, found.solution)
-    return replace(calibration, suspects=suspects_of(calibration, found))
+    suspects = suspects_of(calibration, found)
+    return replace(calibration, suspects=suspects, rival_px=_rival_px(calibration, found.rivals))
+
+
+def _rival_px(calibration: Calibration, rivals: Sequence[Lens]) -> float | None:
+    """How far the farthest of other lenses is from the fitted one; None where that is no news."""
+    points_px = calibration.trust.range_px
+    perspective = calibration.lens.model.decentred(calibration.free)
+    apart_px = max(
+        (
+            difference_px(calibration.lens, other, points_px, perspective=perspective)
+            for other in rivals
+        ),
+        default=0.0,
+    )
+    sure = calibration.quoted
+    return apart_px if sure is None or apart_px > APART * sure.worst_px else None
 
 
 def _believed(
@@ -101,20 +119,27 @@ def _believed(
         plain = finish(problem, solution)
     except DegenerateLinesError:
         return calibration
-    note = _explained(plain, calibration.suspects)
+    note = _explained(plain, calibration)
     return replace(plain, remarks=(*plain.remarks, note)) if note else calibration
 
 
-def _explained(plain: Calibration, suspects: Sequence[Suspect]) -> str:
-    """What to say where accused picks are right under a richer model; else empty."""
+def _explained(plain: Calibration, believed: Calibration) -> str:
+    """What to say where accused picks are right under a richer model; else empty.
+
+    Args:
+        plain: The fit to all picks.
+        believed: The robust fit, with the picks that it accuses.
+    """
     ends = np.cumsum(plain.observations.sizes)
     accused = np.zeros(plain.observations.n_points, dtype=np.bool_)
-    for suspect in suspects:
+    for suspect in believed.suspects:
         if suspect.left_out:
             first = int(ends[suspect.line] - plain.observations.sizes[suspect.line])
             accused[[first + pick for pick in suspect.picks]] = True
+    sigma_px = believed.sigma_px
     if not accused.any() or not (
-        _right_with_more(plain, accused) or plain.trust.besides.explains(accused)
+        _right_with_more(plain, accused, sigma_px)
+        or plain.trust.besides.explains(accused, sigma_px)
     ):
         return ""
     return (
@@ -124,7 +149,7 @@ def _explained(plain: Calibration, suspects: Sequence[Suspect]) -> str:
     )
 
 
-def _right_with_more(plain: Calibration, accused: NDArray[np.bool_]) -> bool:
+def _right_with_more(plain: Calibration, accused: NDArray[np.bool_], sigma_px: float) -> bool:
     """Whether accused picks are like the others once all radial coefficients are free."""
     model = plain.lens.model
     free = (*model.radial, *(name for name in plain.free if name not in model.radial))
@@ -135,17 +160,19 @@ def _right_with_more(plain: Calibration, accused: NDArray[np.bool_]) -> bool:
         calibration = finish(problem, solve(model, problem.task))
     except PlumblineError:
         return False
-    away = np.abs(calibration.linearised.studentised(calibration.sigma_px)[accused])
+    # Wrong picks would make the richer model's σ̂ as large as they are, and be right by it.
+    sigma_px = min(calibration.sigma_px, sigma_px)
+    away = np.abs(calibration.linearised.studentised(sigma_px)[accused])
     return bool(calibration.converged and np.max(away) < reach(calibration.dof, len(accused)))
 
 
 def _accused(plain: Calibration, found: Robust | DegenerateLinesError) -> Calibration:
     """The plain fit with the picks that the robust one suspects."""
     try:
-        suspects = _suspecting(found).suspects
-        if note := _explained(plain, suspects):
+        believed = _suspecting(found)
+        if note := _explained(plain, believed):
             return replace(plain, remarks=(*plain.remarks, note))
-        return replace(plain, suspects=suspects)
+        return replace(plain, suspects=believed.suspects, rival_px=believed.rival_px)
     except DegenerateLinesError as error:
         note = f"which picks are wrong cannot be told: without the suspicious ones {error.message}"
         return replace(plain, remarks=(*plain.remarks, note))

@@ -6,9 +6,10 @@ in pixels, left-out lines) needs the same derivatives at one lens only, and no p
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from plumbline.frame import Array
 from plumbline.geometry.lens import Lens
@@ -26,10 +27,17 @@ class Ideal(NamedTuple):
         uv: Ideal points, shape (n, 2); NaN beyond the fold of the model.
         stretch: Derivative of the ideal point (rows) by the observed one (columns), both in
             square pixels, shape (n, 2, 2).
+        aspect: Width over height of the photograph's pixels; shape (n,) where photos differ.
     """
 
     uv: Array
     stretch: Array
+    aspect: Array | float = 1.0
+
+    def at(self, which: NDArray[Any]) -> Ideal:
+        """Some of the points, by their numbers or a mask."""
+        aspect = np.broadcast_to(self.aspect, len(self.uv))[which]
+        return Ideal(self.uv[which], self.stretch[which], aspect)
 
 
 def undistorted(lens: Lens, observed_px: Array) -> Ideal:
@@ -37,7 +45,7 @@ def undistorted(lens: Lens, observed_px: Array) -> Ideal:
     uv = lens.frame.normalise(lens.undistort_or_nan(observed_px), 1.0)
     observed = _observed(lens, observed_px)
     slopes = lens.model.stretch(observed / lens.unit_px, uv / lens.unit_px, lens.vector)
-    return Ideal(uv, slopes)
+    return Ideal(uv, slopes, lens.frame.pixel_aspect)
 
 
 def by_coefficients(lens: Lens, names: tuple[str, ...], observed_px: Array, ideal: Ideal) -> Array:

@@ -11,7 +11,6 @@ from plumbline.pick.live import Fitted
 from plumbline.pick.observing import fitted_lines
 from plumbline.pick.words import on_page
 from plumbline.result.calibration import Calibration
-from plumbline.trust.displacement import displacement_errors
 from plumbline.trust.next_line import worthwhile_line
 from plumbline.wording import px
 
@@ -93,10 +92,7 @@ def _map(calibration: Calibration) -> dict[str, Any] | None:
     frame = calibration.lens.frame
     x, y = np.linspace(0, frame.width - 1, _COLUMNS), np.linspace(0, frame.height - 1, _ROWS)
     points = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
-    covariance = calibration.covariance
-    if calibration.quotes_jackknife and calibration.jackknife is not None:
-        covariance = calibration.jackknife.covariance
-    errors = displacement_errors(calibration.lens, calibration.free, covariance, points)
+    errors = calibration.trust.quoted_errors_px(points)
     if errors is None:
         return None
     return {

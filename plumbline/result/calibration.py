@@ -65,6 +65,8 @@ class Calibration:
         suspects: Picks that a robust fit finds wrong; a plain fit names them and uses them.
         robust: Whether suspicious picks were left out.
         bootstrap: Repeated fits to resampled residuals, where they were asked for.
+        rival_px: How far another lens, under which the picks agree as well, is from this one; None
+            where there is none.
         command: The command line that made it; empty in Python.
         version: The version of plumbline that made it.
     """
@@ -86,6 +88,7 @@ class Calibration:
     suspects: tuple[Suspect, ...] = ()
     robust: bool = False
     bootstrap: Bootstrap | None = None
+    rival_px: float | None = None
     command: str = ""
     version: str = __version__
 
@@ -137,6 +140,7 @@ class Calibration:
             self.suspects,
             self.robust,
             self.bootstrap,
+            self.rival_px,
         )
 
     @property

@@ -37,7 +37,7 @@ _FIXED = (
 )
 """Figures whose definition stays."""
 
-_OF_THIS_VERSION = ("displacement", "jackknife", "model_error")
+_OF_THIS_VERSION = ("displacement", "quoted", "jackknife", "model_error")
 """Figures that a later version may compute better: they are compared within one version."""
 
 _PLACES = ("quote_at_px", "at_px", "quoted", "names", "label")

@@ -16,7 +16,7 @@ from plumbline.observations import Observations
 from plumbline.result.calibration import Calibration
 from plumbline.trust.assessment import Assessment
 from plumbline.trust.check import Check
-from plumbline.trust.displacement import Displacement
+from plumbline.trust.displacement import Displacement, displacement_errors
 from plumbline.trust.jackknife import Jackknife
 from plumbline.trust.matched import Setting, jackknife, residual_px
 from plumbline.trust.matched_checks import checks_of_matches
@@ -24,6 +24,7 @@ from plumbline.trust.model_error import ModelError
 from plumbline.trust.quoted import Quoted
 from plumbline.trust.steadiness import Steadiness
 from plumbline.trust.straightness import LineStraightness
+from plumbline.trust.student import quantile
 
 
 def observed_px(observations: Observations) -> Array:
@@ -81,6 +82,19 @@ class PairAssessment(Assessment):
         """Not known: what the lens may do besides is asked of lines."""
         return None
 
+    def quoted_errors_px(self, points_px: Array) -> Array | None:
+        """The same at any points."""
+        left, covariance = self.jackknife, self.covariance
+        if self.quotes_jackknife and left is not None:
+            covariance = left.covariance
+        return displacement_errors(self.lens, self.free, covariance, points_px)
+
+    @property
+    def interval_factor(self) -> float:
+        """Student's t for the degrees of freedom of the error to quote."""
+        left = self.jackknife
+        return quantile(0.975, left.dof if self.quotes_jackknife and left else self.dof)
+
     @property
     def quoted_displacement(self) -> Displacement | None:
         """The larger of the errors for independent matches and of the jackknife's."""
@@ -121,6 +135,7 @@ class PairCalibration(Calibration):
             self.suspects,
             self.robust,
             self.bootstrap,
+            self.rival_px,
             self.setting,
         )
 

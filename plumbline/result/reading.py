@@ -126,6 +126,7 @@ def _calibration(record: ResultRecord) -> Calibration:
         suspects=tuple(_suspect(each, sizes) for each in record.suspects),
         robust=record.robust,
         bootstrap=_bootstrap(record.bootstrap, free),
+        rival_px=record.rival_px,
         command=record.command,
         version=record.plumbline,
     )

@@ -113,6 +113,18 @@ class DisplacementRecord(Struct, frozen=True, kw_only=True):
     errors_px: tuple[Number, ...]
 
 
+class QuotedRecord(Struct, frozen=True, kw_only=True):
+    """The error to quote and its parts, within the range of the picks."""
+
+    worst_px: Number
+    picks_px: Number
+    missed_px: Number
+    centre_px: Number
+    curve_px: Number
+    rectified_px: Number | None
+    reached: Number
+
+
 class JackknifeRecord(Struct, frozen=True, kw_only=True):
     """What leaving out lines says."""
 
@@ -167,12 +179,14 @@ class ResultRecord(Head, frozen=True, kw_only=True):
     largest_after_px: Number | None = None
     intervals: Mapping[str, Pair] | None = None
     displacement: DisplacementRecord | None = None
+    quoted: QuotedRecord | None = None
     jackknife: JackknifeRecord | None = None
     bootstrap: BootstrapRecord | None = None
     model_error: ModelError | None = None
     robust: bool = False
     checks: tuple[Check, ...] | None = None
     suspects: tuple[SuspectRecord, ...] = ()
+    rival_px: Number | None = None
     converged: bool
     reason: str
     finding: Finding | None = None

@@ -29,6 +29,7 @@ from plumbline.result.schema import (
     Pair,
     PairRecord,
     PhotoRecord,
+    QuotedRecord,
     ResultRecord,
     ResultsRecord,
     StraightnessRecord,
@@ -70,12 +71,14 @@ def record_of(calibration: Calibration) -> ResultRecord:
         largest_after_px=calibration.largest_after_px,
         intervals=calibration.intervals,
         displacement=_displacement(calibration),
+        quoted=_quoted(calibration),
         jackknife=_jackknife(calibration),
         bootstrap=_bootstrap(calibration),
         model_error=calibration.model_error,
         robust=calibration.robust,
         checks=calibration.checks,
         suspects=tuple(_suspect(calibration, each) for each in calibration.suspects),
+        rival_px=calibration.rival_px,
         converged=calibration.converged,
         reason=calibration.reason,
         finding=calibration.finding,
@@ -102,9 +105,31 @@ def _displacement(calibration: Calibration) -> DisplacementRecord | None:
         largest_px=sure.worst_px,
         at_px=_pairs(sure.worst_at_px),
         jackknife_largest_px=None if wide is None else wide.worst_px,
-        quoted="jackknife" if calibration.quotes_jackknife else "independent",
+        quoted=_kind(calibration),
         points_px=_pairs(sure.points_px),
         errors_px=tuple(sure.errors_px.tolist()),
+    )
+
+
+def _kind(calibration: Calibration) -> str:
+    """What the error to quote is made of, in a word or two."""
+    if calibration.quoted is not None:
+        return "picks and lens"
+    return "jackknife" if calibration.quotes_jackknife else "independent"
+
+
+def _quoted(calibration: Calibration) -> QuotedRecord | None:
+    sure = calibration.quoted
+    if sure is None:
+        return None
+    return QuotedRecord(
+        worst_px=sure.worst_px,
+        picks_px=sure.picks_px,
+        missed_px=sure.missed_px,
+        centre_px=sure.centre_px,
+        curve_px=sure.curve_px,
+        rectified_px=sure.rectified_px,
+        reached=sure.reached,
     )
 
 

@@ -29,11 +29,15 @@ from plumbline.trust.model_error import ModelError, model_error
 from plumbline.trust.nuisances import DECENTRING, RADIAL, Nuisances, nuisances_of
 from plumbline.trust.picked import picked_range_px, reached_share
 from plumbline.trust.quoted import Quoted
+from plumbline.trust.refit import Refit
 from plumbline.trust.steadiness import Steadiness, steadiness
-from plumbline.trust.student import widening
+from plumbline.trust.student import quantile, widening
 from plumbline.trust.suspect import Suspect
 
 ResidualKind = Literal["image", "corrected"]
+
+_MANY = 10**6
+"""Degrees of freedom of the normal distribution, as far as anyone can tell."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +55,7 @@ class Assessment:
         suspects: Picks that a robust fit finds wrong.
         robust: Whether suspicious picks were left out.
         bootstrap: Repeated fits to resampled residuals, where they were asked for.
+        rival_px: How far another lens, under which the picks agree as well, is from this one.
     """
 
     observations: Observations
@@ -63,6 +68,7 @@ class Assessment:
     suspects: tuple[Suspect, ...]
     robust: bool
     bootstrap: Bootstrap | None
+    rival_px: float | None
 
     @property
     def standard_errors(self) -> dict[str, float]:
@@ -119,7 +125,9 @@ class Assessment:
     @cached_property
     def jackknife(self) -> Jackknife | None:
         """How much the result depends on each line; None where it needs one of them."""
-        return jackknife(self.linearised, self.edges)
+        lines_px = in_frame(self.observations, self.lens.frame)
+        refit = Refit(self.lens, self.free, lines_px)
+        return jackknife(self.linearised, self.edges, refit, self.sigma_px)
 
     @cached_property
     def edges(self) -> NDArray[np.int64]:
@@ -184,7 +192,7 @@ class Assessment:
         picks_px = self._picks_px(moved)
         total_px = np.hypot(picks_px, missed[""])
         worst, none = int(np.argmax(total_px)), np.zeros(len(total_px))
-        flat = self._motions(perspective=True)
+        flat = self._motions(self.range_px, perspective=True)
         return Quoted(
             Displacement(self.range_px, total_px),
             float(picks_px[worst]),
@@ -195,6 +203,25 @@ class Assessment:
             self.reached,
         )
 
+    def quoted_errors_px(self, points_px: Array) -> Array | None:
+        """The error to quote at any points of the photo, one standard error, shape (n,).
+
+        Args:
+            points_px: Observed points, shape (n, 2).
+
+        Returns:
+            None where the model folds before it reaches one of them, or among the picks.
+        """
+        moved = self._motions(points_px, perspective=None)
+        if moved is None or self.quoted is None:
+            return None
+        return np.hypot(self._picks_px(moved), self.besides.steps[""][0].missed_px(moved))
+
+    @property
+    def interval_factor(self) -> float:
+        """Standard errors to quote in a 95 % interval; they are widened for their freedom."""
+        return quantile(0.975, _MANY)
+
     @property
     def quoted_displacement(self) -> Displacement | None:
         """Standard errors of the correction to quote."""
@@ -203,13 +230,13 @@ class Assessment:
     @cached_property
     def _moved(self) -> Array | None:
         """How points within the range move with coefficients and nuisances, (n, 2, k + m)."""
-        return self._motions(perspective=None)
+        return self._motions(self.range_px, perspective=None)
 
-    def _motions(self, *, perspective: bool | None) -> Array | None:
+    def _motions(self, points_px: Array, *, perspective: bool | None) -> Array | None:
         return motions(
             self.lens,
             self.free,
-            self.range_px,
+            points_px,
             gauge_px=self.range_px,
             nuisances=self.nuisances,
             perspective=perspective,
@@ -229,7 +256,10 @@ class Assessment:
         if self.jackknife is None or self.steadiness is None:
             return own * widening(self.dof)
         wide = errors_of(moved[..., : len(self.free)], self.jackknife.covariance)
-        return np.maximum(own * widening(self.dof), self.steadiness.pooled(own, wide))
+        wrong = self.besides.unlike(RADIAL) or self.besides.unlike(DECENTRING)
+        by_lines = self.steadiness.alarmed and not wrong
+        pooled = self.steadiness.pooled(own, wide, by_lines=by_lines)
+        return np.maximum(own * widening(self.dof), pooled)
 
     def _worst_px(self, moved: Array) -> float:
         """The largest error to quote of points that move so."""

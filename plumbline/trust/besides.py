@@ -67,11 +67,12 @@ class Besides:
         clear = self.steady is not None and is_clear(step, self.steady.dof)
         return clear and float(np.max(np.hypot(*moved.T))) > _MATTERS_PX
 
-    def explains(self, accused: NDArray[np.bool_]) -> bool:
+    def explains(self, accused: NDArray[np.bool_], sigma_px: float) -> bool:
         """Whether a lens with nuisances leaves accused picks where the others are.
 
         Args:
             accused: Which picks are called wrong under the fitted model, line after line, (n,).
+            sigma_px: σ̂ of the fit without them, which is at least that of a model that is right.
         """
         step = self.alone[""][0] if "" in self.alone else None
         linear, others = self.linear, ~accused
@@ -80,7 +81,7 @@ class Besides:
         columns = np.concatenate((linear.jacobian, linear.besides), axis=1)
         left_px = linear.image_px + (columns * linear.in_photo[:, None]) @ step.change
         share = self.dof / len(left_px)
-        sigma_px = float(np.sqrt(np.mean(left_px[others] ** 2) / share))
+        sigma_px = min(sigma_px, float(np.sqrt(np.mean(left_px[others] ** 2) / share)))
         return bool(np.max(np.abs(left_px[accused])) < _LIKE_OTHERS * sigma_px)
 
     @cached_property

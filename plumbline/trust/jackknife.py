@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from plumbline.frame import Array
 from plumbline.trust.linearised import Linearised
+from plumbline.trust.refit import Refit
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,13 +40,20 @@ class Jackknife:
         return len(self.lines) - 1
 
 
-def jackknife(linear: Linearised, edges: NDArray[np.int64] | None = None) -> Jackknife | None:
+def jackknife(
+    linear: Linearised,
+    edges: NDArray[np.int64] | None = None,
+    refit: Refit | None = None,
+    sigma_px: float = 0.0,
+) -> Jackknife | None:
     """Leave one edge out after the other, in one Gauss–Newton step each.
 
     Args:
         linear: The fit, linearised.
         edges: The edge of each line, as the number of its first line, (l,); each line is one by
             default.
+        refit: What fits again where a step is large; every step counts as it is by default.
+        sigma_px: Standard deviation of one pick, for that.
 
     Returns:
         None if some edge is needed to determine the coefficients at all.
@@ -54,6 +62,8 @@ def jackknife(linear: Linearised, edges: NDArray[np.int64] | None = None) -> Jac
     shifts = linear.without_each_line(edges)
     if shifts is None:
         return None
+    if refit is not None:
+        shifts = refit.improved(linear, shifts, edges, sigma_px)
     kept = np.bincount(edges[linear.line[linear.kept]], minlength=linear.n_lines)[np.unique(edges)]
     used = np.flatnonzero(kept >= 3)
     if len(used) < 2:

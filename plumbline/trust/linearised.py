@@ -214,6 +214,9 @@ def linearise(
 def across_stretch(ideal: Ideal, lines: Lines, line: NDArray[np.int64]) -> Array:
     """How far a step across a line in the photograph reaches in the corrected photo, (n,).
 
+    The step is one of the photograph's own pixels, where picks err alike in x and y; they may be
+    wider than high.
+
     Args:
         ideal: The points.
         lines: The lines, in the corrected photo.
@@ -221,7 +224,7 @@ def across_stretch(ideal: Ideal, lines: Lines, line: NDArray[np.int64]) -> Array
     """
     nx, ny = -lines.along[:, 1][line], lines.along[:, 0][line]
     xx, xy, yx, yy = ideal.stretch.reshape(-1, 4).T
-    across_x, across_y = nx * xx + ny * yx, nx * xy + ny * yy
+    across_x, across_y = (nx * xx + ny * yx) * ideal.aspect, nx * xy + ny * yy
     return np.sqrt(across_x * across_x + across_y * across_y)
 
 

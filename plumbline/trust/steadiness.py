@@ -48,12 +48,15 @@ class Steadiness:
         limit: What the ratio exceeds by chance in one of forty projects of this layout.
         dof: Degrees of freedom of the jackknife's largest error: twice its squared mean over its
             variance under independent errors (F. Satterthwaite 1946), at most lines − 1.
+        inflation: How much too large the jackknife's error is under independent errors, since a
+            line left out takes its own share of the fit along (R. Bell and D. McCaffrey 2002).
     """
 
     own_px: float
     left_out_px: float
     limit: float
     dof: int
+    inflation: float = 1.0
 
     @property
     def ratio(self) -> float:
@@ -65,14 +68,21 @@ class Steadiness:
         """Whether chance does not explain it."""
         return self.ratio > self.limit
 
-    def pooled(self, own: Array, wide: Array) -> Array:
+    def pooled(self, own: Array, wide: Array, *, by_lines: bool) -> Array:
         """Errors to quote, from those for independent errors and the jackknife's.
 
-        The jackknife's variance alone where chance does not explain it. Elsewhere both speak of
-        the same thing: their mean, weighted by degrees of freedom, scatters least. Widened.
+        The jackknife's variance alone where lines err as a whole. Elsewhere both speak of the same
+        thing: their mean, weighted by degrees of freedom, scatters least. Widened, and the
+        jackknife's without its bias.
+
+        Args:
+            own: Errors for independent picks, shape (n,).
+            wide: The jackknife's.
+            by_lines: Whether chance does not explain the ratio, nor a wrong model.
         """
-        if self.alarmed:
-            return wide * widening(self.dof)
+        wide = wide / self.inflation
+        if by_lines:
+            return np.maximum(wide * widening(self.dof), own)
         mean = (_PRIOR_DOF * own**2 + self.dof * wide**2) / (_PRIOR_DOF + self.dof)
         return np.sqrt(mean) * widening(_PRIOR_DOF + self.dof)
 
@@ -103,11 +113,16 @@ def steadiness(
     freedom = 2 * np.mean(variances) ** 2 / max(float(np.var(variances)), 1e-300)
     limit = max(_LEAST, float(np.quantile(ratios, 1 - _FALSE_ALARM)))
     free_to_vary = int(np.clip(round(float(freedom)), 1, len(used) - 1))
-    return Steadiness(own_px, left_out_px, limit, free_to_vary)
+    inflation = max(float(np.sqrt(np.mean(variances))), 1.0)
+    return Steadiness(own_px, left_out_px, limit, free_to_vary, inflation)
 
 
 def _drawn(normals: Array, moved: Array, dof: int) -> tuple[Array, Array]:
-    """Jackknife variances at the worst point and ratios of largest errors, both (draws,)."""
+    """Draw the jackknife's variance and its largest error, over those of independent errors.
+
+    Returns:
+        Ratios of the variances at the worst point, and of the largest errors, both (draws,).
+    """
     rng = np.random.default_rng(len(normals))
     values, vectors = np.linalg.eigh(normals)
     roots = vectors * np.sqrt(np.maximum(values, 0.0))[:, None, :]
@@ -126,6 +141,6 @@ def _drawn(normals: Array, moved: Array, dof: int) -> tuple[Array, Array]:
         shifts = np.einsum("lij,lj->li", rest, pulls)
         away = shifts - shifts.mean(axis=0)
         found = errors_of(moved, share * away.T @ away)
-        variances[draw] = found[worst] ** 2
+        variances[draw] = (found[worst] / own[worst]) ** 2
         ratios[draw] = np.max(found) / (own[worst] * scatter[draw])
     return variances, ratios

@@ -41,7 +41,7 @@ class LineStraightness(NamedTuple):
 def straightness_before(
     observations: Observations, kept: Sequence[NDArray[np.bool_]] | None = None
 ) -> tuple[Array, ...]:
-    """Signed distances in square pixels of every line's observed points, before any fit.
+    """Signed distances of every line's observed points in the photograph's pixels, before any fit.
 
     Args:
         observations: The picks.
@@ -52,7 +52,11 @@ def straightness_before(
     every = np.ones(len(points), dtype=np.bool_)
     drawn = every if kept is None else drawn_through(np.concatenate(kept), sizes)
     lines = fit_lines(points, sizes, drawn.astype(np.float64))
-    return by_line(lines.place(points, line_numbers(sizes))[1], sizes)
+    photos = [observations.photos[line.photo] for line in observations.lines]
+    aspects = np.array([photo.pixel_aspect for photo in photos])
+    square_px = np.hypot(lines.across[:, 0] * aspects, lines.across[:, 1])
+    line = line_numbers(sizes)
+    return by_line(lines.place(points, line)[1] / square_px[line], sizes)
 
 
 def line_by_line(

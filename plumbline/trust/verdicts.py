@@ -12,6 +12,7 @@ from plumbline.trust.assessment import Assessment
 from plumbline.trust.check import Check
 from plumbline.trust.next_line import worthwhile_line
 from plumbline.trust.nuisances import DECENTRING, RADIAL
+from plumbline.trust.rival import agreement_check
 from plumbline.trust.straightness import straightness_before
 from plumbline.trust.suspect import Suspect
 from plumbline.wording import count, joined, listed, number, px
@@ -41,6 +42,7 @@ _MORE = "pick more lines, nearer to the corners"
 def after_fit(trust: Assessment) -> tuple[Check, ...]:
     """What can be said of picks and lens once they are fitted."""
     found = (
+        _agreement(trust),
         _condition(trust),
         _correction(trust),
         _steady(trust),
@@ -51,6 +53,11 @@ def after_fit(trust: Assessment) -> tuple[Check, ...]:
         suspects_check(trust.suspects, trust.observations.n_points, robust=trust.robust),
     )
     return tuple(check for check in found if check is not None)
+
+
+def _agreement(trust: Assessment) -> Check | None:
+    n_points, radius_px = trust.observations.n_points, trust.lens.frame.radius_px
+    return agreement_check(trust.rival_px, trust.suspects, n_points, trust.sigma_px, radius_px)
 
 
 def _condition(trust: Assessment) -> Check:
@@ -238,7 +245,7 @@ def suspects_check(suspects: Sequence[Suspect], n_points: int, *, robust: bool) 
 
 def doubt(trust: Assessment) -> str:
     """Why the fitted model is not to be trusted, in half a sentence; empty where nothing is."""
-    for check in (centre_check(trust), _model(trust)):
+    for check in (_agreement(trust), centre_check(trust), _model(trust)):
         if check is not None and not check.passed:
             return f"{check.finding}: {check.remedy}"
     return ""

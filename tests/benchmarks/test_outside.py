@@ -22,10 +22,12 @@ def test_the_stereographic_truth_maps_both_ways_by_its_equation() -> None:
 
 @pytest.mark.parametrize("name", ["centre off by 1.5 %", "division", "stereographic"])
 def test_the_quoted_error_holds_outside_the_family(name: str) -> None:
-    found = row(name, GRID, 0.3, 3)
+    """Of picks so good that what they do to the lens is small beside what the model misses."""
+    found = row(name, GRID, 0.05, 3)
     assert not found.failures
     assert found.within == 1.0
-    assert min(trial.true_px for trial in found.trials) > 2 * found.trials[0].own_px
+    # The error that independent picks make would be too small a quote in the middle of the trials.
+    assert np.median([trial.true_px / trial.own_px for trial in found.trials]) > 2.5
 
 
 def test_in_the_family_little_is_added_but_what_the_centre_may_do() -> None:

@@ -31,20 +31,23 @@ class Fitted:
 
 def observations(group: Group, points_px: Array) -> plumbline.Observations:
     """Picks of all lines, shape (n, 2), as plumbline takes them."""
-    return plumbline.Observations.from_arrays(group.by_line(points_px), group.lens.size)
+    return plumbline.Observations.from_arrays(
+        group.by_line(points_px), group.lens.size, pixel_aspect=group.lens.aspect
+    )
 
 
-def fit_trials(group: Group, picks_px: Array) -> Fitted:
+def fit_trials(group: Group, picks_px: Array, *, robust: bool = False) -> Fitted:
     """Fit every trial; one that raises or does not settle is a failure.
 
     Args:
         group: The group.
         picks_px: Picks of the trials, shape (trials, n, 2).
+        robust: Whether suspicious picks are left out.
     """
     outcomes: list[plumbline.Calibration | plumbline.PlumblineError] = []
     for first in range(0, len(picks_px), _AT_ONCE):
         some = [observations(group, points) for points in picks_px[first : first + _AT_ONCE]]
-        outcomes += plumbline.calibrate_many(some, group.model, free=group.free)
+        outcomes += plumbline.calibrate_many(some, group.model, free=group.free, robust=robust)
     good: list[plumbline.Calibration] = []
     numbers: list[int] = []
     failures: list[tuple[int, str]] = []

@@ -632,3 +632,26 @@ def test_a_long_focal_length_changes_units_alone(focal_px: float) -> None:
         sizes = (made.sigma_px, made.displacement.worst_px, made.jackknife_displacement.worst_px)
         told.append(sizes)
     assert told[1] == pytest.approx(told[0], rel=1e-6)
+
+
+@pytest.mark.parametrize("aspect", [0.5, 2.0])
+@pytest.mark.parametrize("robust", [False, True])
+def test_residuals_are_in_the_photograph_s_own_pixels(aspect: float, robust: bool) -> None:
+    lens = TrueLens("ptlens", MILD, aspect=aspect)
+    made = calibrate(picked(lens, noise_px=1.0), robust=robust)
+    square, step = np.array([aspect, 1.0]), 0.01
+    for line, residuals in zip(made.observations.lines, made.residuals_px, strict=True):
+        ideal = made.lens.undistort(line.points_px) * square
+        middle = ideal.mean(axis=0)
+        normal = np.linalg.svd(ideal - middle)[2][1]
+
+        def away(points: Array, middle: Array = middle, normal: Array = normal) -> Array:
+            return (made.lens.undistort(points) * square - middle) @ normal
+
+        slopes = [
+            (away(line.points_px + move) - away(line.points_px - move)) / (2 * step)
+            for move in np.eye(2) * step
+        ]
+        expected = np.abs(away(line.points_px)) / np.hypot(*slopes)
+        np.testing.assert_allclose(np.abs(residuals), expected, rtol=1e-4, atol=1e-7)
+    assert made.sigma_px == pytest.approx(1.0, rel=0.15)

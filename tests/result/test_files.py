@@ -108,6 +108,8 @@ def test_the_documented_names() -> None:
         "rms_corrected_px",
         "largest_before_px",
         "largest_after_px",
+        "quoted",
+        "rival_px",
         "intervals",
         "displacement",
         "jackknife",
@@ -340,7 +342,7 @@ REPLACEMENTS: list[Any] = [
 
 LATER = (
     *("exif_make", "exif_model", "suspects", "robust", "bootstrap", "command"),
-    *("left_out", "sha256", "taken", "serial", "corrected_px", "pair"),
+    *("left_out", "sha256", "taken", "serial", "corrected_px", "pair", "quoted", "rival_px"),
 )
 
 

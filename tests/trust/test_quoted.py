@@ -12,6 +12,7 @@ from rich.console import Console
 
 from plumbline import Observations, calibrate, check, read
 from plumbline.report.terminal.summary import print_summary
+from plumbline.result.files import consistent_results
 from plumbline.result.writing import to_json
 from plumbline.trust.nuisances import CENTRE_SPREAD, nuisances_of
 from tests.benchmarks.groups import FACADE, GRID, lens
@@ -36,6 +37,28 @@ def test_summary_quiet_check_and_json_state_one_figure_and_one_verdict() -> None
     assert figure in told(made, quiet=True)
     assert any(figure in each.finding for each in found.checks)
     assert json.loads(to_json([made]))["displacement"]["quote_px"] == made.quoted.worst_px
+
+
+def test_the_json_tells_the_parts_and_reads_back_without_them() -> None:
+    made = calibrate(read(BUILDING))
+    assert made.quoted is not None
+    told = json.loads(to_json([made]))
+    parts = told["quoted"]
+    assert parts["worst_px"] == pytest.approx(np.hypot(parts["picks_px"], parts["missed_px"]))
+    assert parts["worst_px"] == told["displacement"]["quote_px"]
+    assert told["displacement"]["quoted"] == "picks and lens"
+    del told["quoted"], told["rival_px"]
+    (again,) = consistent_results(json.dumps(told), "x.json")
+    assert again.quoted is not None
+    assert again.quoted.worst_px == made.quoted.worst_px
+
+
+def test_the_error_at_the_worst_place_is_the_figure() -> None:
+    made = calibrate(read(BUILDING))
+    assert made.quoted is not None
+    found = made.trust.quoted_errors_px(made.quoted.total.worst_at_px)
+    assert found is not None
+    assert np.max(found) == pytest.approx(made.quoted.worst_px, rel=1e-9)
 
 
 def test_a_centre_that_is_off_is_in_the_error_and_in_the_first_line() -> None:

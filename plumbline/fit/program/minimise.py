@@ -62,7 +62,7 @@ def minimise(model: Model, centre: bool, task: FitTask) -> Solution:
     last = jnp.sqrt(jnp.maximum(step @ products.normal @ step, 0.0)) * task.unit_px
     step = jnp.where(task.free & (last < _SMALL_STEP_PX), step * scale, 0.0)
     final = jnp.where(task.free, solution.value * scale + step, task.start)
-    at = residuals(model, final, task.block, task.unit_px, REACH * task.corner)
+    at = residuals(model, final, task.block, task.unit_px, REACH * task.corner, task.aspect)
     counts = task.block.weight > 0
     beyond = at.excess > 0
     folded = counts & (beyond | ~(at.determinant > 0))
@@ -108,7 +108,7 @@ def _products(
 ) -> _Products:
     def fitted(y: jax.Array) -> jax.Array:
         held = jnp.where(task.free, y * scale, task.start)
-        at = residuals(model, held, task.block, task.unit_px, REACH * task.corner)
+        at = residuals(model, held, task.block, task.unit_px, REACH * task.corner, task.aspect)
         return jnp.where(task.image, at.image, at.corrected) / task.unit_px
 
     value, slope = jax.linearize(fitted, y)

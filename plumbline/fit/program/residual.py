@@ -135,7 +135,12 @@ def _limit(model: Model, c: jax.Array, reach: jax.Array) -> jax.Array:
 
 
 def residuals(
-    model: Model, coefficients: jax.Array, block: Block, unit_px: jax.Array, reach: jax.Array
+    model: Model,
+    coefficients: jax.Array,
+    block: Block,
+    unit_px: jax.Array,
+    reach: jax.Array,
+    aspect: jax.Array | float = 1.0,
 ) -> Residuals:
     """Residuals of all points of a block.
 
@@ -145,13 +150,14 @@ def residuals(
         block: The points.
         unit_px: Pixels to a normalised radius of 1.
         reach: The largest ideal radius that is looked at.
+        aspect: Width of one of the photo's pixels over its height.
     """
     x = block.xy[..., 0] - coefficients[-2]
     y = block.xy[..., 1] - coefficients[-1]
     u, v, (xx, xy, yx, yy), excess = undistort(model, coefficients[:-2], x, y, reach)
     from_u, from_v, nx, ny = _line_frame(block, u, v)
     distance = nx * from_u + ny * from_v
-    across_x, across_y = nx * xx + ny * yx, nx * xy + ny * yy
+    across_x, across_y = (nx * xx + ny * yx) * aspect, nx * xy + ny * yy
     stretch = jnp.sqrt(across_x * across_x + across_y * across_y)
     corrected = (distance + excess) * unit_px * block.weight
     image = (distance / stretch + excess) * unit_px * block.weight

@@ -11,7 +11,7 @@ class Residuals(NamedTuple):
     """Residuals of a block in pixels, 0 for padding; shape (rows, width) each.
 
     Attributes:
-        image: Distance in the photograph.
+        image: Distance in the photograph, in its own pixels.
         corrected: Distance in the corrected photograph.
         determinant: Local area of the corrected photo over that of the photograph.
         excess: How far beyond the fold of the model a point lies; 0 for all good points.
@@ -39,6 +39,7 @@ class FitTask(NamedTuple):
         unit_px: Square pixels to a normalised radius of 1.
         gauge_radius: Normalised radius at which the model's scale is 1.
         corner: Normalised radius of the photo's corner.
+        aspect: Width of one of the photo's pixels over its height.
     """
 
     block: Block
@@ -49,6 +50,7 @@ class FitTask(NamedTuple):
     unit_px: AnyArray
     gauge_radius: AnyArray
     corner: AnyArray
+    aspect: AnyArray
 
 
 class Solution(NamedTuple):
@@ -82,5 +84,5 @@ class Solution(NamedTuple):
     steps: AnyArray
 
 
-EMPTY_TASK = FitTask(Block(0, 0, 0), 0, 0, 0, 0, 0, 0, 0)
+EMPTY_TASK = FitTask(Block(0, 0, 0), 0, 0, 0, 0, 0, 0, 0, 0)
 """Only its structure counts."""

@@ -18,6 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from plumbline.fit.robust.pixels import stretch_of_lines
 from plumbline.fit.robust.screening import Picks, distances, pairs
 from plumbline.frame import Array
 from plumbline.geometry.lines import Lines, direction, fit_lines
@@ -131,8 +132,7 @@ def agree(
         excuse: What speaks for each pick's being wrong beside that, as a logarithm, shape (n,).
     """
     n = len(picks.line)
-    xx, xy, yx, yy = picks.ideal.stretch.reshape(-1, 4).T
-    scale = np.sqrt(np.abs(xx * yy - xy * yx))
+    scale = stretch_of_lines(picks.ideal, picks.sizes)
     right, wrong, best = np.zeros((3, n))
     worth, total = credit(sigma_px, wrong_px), 0.0
     worths = np.broadcast_to(worth - excuse, (n,))

@@ -24,11 +24,12 @@ from plumbline.fit.problem import Problem
 from plumbline.fit.program.solve import solve
 from plumbline.fit.program.task import Solution
 from plumbline.fit.robust.agreement import LEAST, Agreed, agree
-from plumbline.fit.robust.oddities import bends, twins
+from plumbline.fit.robust.oddities import Bends, bends, twins
 from plumbline.fit.robust.rivals import contested, excuses
 from plumbline.fit.robust.screening import Picks, Screened, finest, picks_at, reach, screen
 from plumbline.fit.robust.search import beginnings
-from plumbline.fit.robust.worth import explains_more, rounded
+from plumbline.fit.robust.worth import EVIDENCE, explains_more, rounded
+from plumbline.geometry.lens import Lens
 from plumbline.trust.linearised import in_frame, linearise
 
 _MOST_ROUNDS = 12
@@ -54,12 +55,14 @@ class Robust:
         solution: What the solver found.
         picks: All picks under it.
         agreed: What they agree on.
+        rivals: Lenses under which other picks agree about as well.
     """
 
     problem: Problem
     solution: Solution
     picks: Picks
     agreed: Agreed
+    rivals: tuple[Lens, ...] = ()
 
 
 def robust_fits(
@@ -105,9 +108,9 @@ def _odd(picks: Picks, screened: Screened) -> NDArray[np.bool_]:
     of_line = picks.problem[np.cumsum(picks.sizes) - picks.sizes]
     along, _ = screened.lines.place(picks.ideal.uv, picks.line)
     away = screened.distance_px
-    _, bent = bends(
+    bent = bends(
         picks.line, along, away, screened.sigma_px[of_line], rounded(picks.finest_px)[of_line]
-    )
+    ).bent
     odd = np.zeros(len(picks.n_free), dtype=np.bool_)
     odd[of_line[bent]] = True
     odd[picks.problem[twins(picks.line, along, away)[:, 0]]] = True
@@ -115,28 +118,36 @@ def _odd(picks: Picks, screened: Screened) -> NDArray[np.bool_]:
 
 
 def _explains_more(best: Robust, problem: Problem, plain: Solution) -> bool:
-    """Whether wrong picks explain the plain fit better than careless ones; see `worth`."""
-    if int(plain.folded) or _bent(best):
+    """Whether wrong picks, or bent lines, explain the plain fit better than careless picks."""
+    if int(plain.folded):
         return True
-    finest_px = finest(problem)
-    wrong = int(np.count_nonzero(~best.problem.kept))
-    return explains_more(
-        (max(_sigma_px(problem, plain), finest_px), problem.dof),
-        (max(_sigma_px(best.problem, best.solution), finest_px), best.problem.dof),
-        len(problem.kept),
-        wrong,
-        _wrong_px(problem),
-    )
+    finest_px, frame, kept = finest(problem), problem.blank.frame, best.problem.kept
+    careless = max(_sigma_px(problem, plain), finest_px), problem.dof
+    good = max(_sigma_px(best.problem, best.solution), finest_px), best.problem.dof
+    every = problem.packed.sizes, frame.radius_px, _wrong_px(problem)
+    if explains_more(careless, good, kept, *every):
+        return True
+    line, (_, bent, left_square) = best.picks.line, _bends(best)
+    bent &= np.bincount(line, ~kept, len(bent)) > 0
+    if not bent.any():
+        return False
+    # Picks of a bent line are good about its curve, which takes a third number of each line.
+    fitted = kept & bent[line]
+    number, used = (np.bincount(line, each, len(bent)) for each in (bent[line], fitted))
+    dof = good[1] + int(np.sum((number - 3)[bent]) - np.sum(np.maximum(used - 2, 0)))
+    square = good[0] ** 2 * good[1] + float(np.sum(left_square[bent]))
+    square -= float(np.sum(best.agreed.distance_px[fitted] ** 2))
+    with_bends = max(float(np.sqrt(max(square, 0.0) / dof)), finest_px), dof
+    return explains_more(careless, with_bends, kept | bent[line], *every, int(bent.sum()))
 
 
-def _bent(best: Robust) -> bool:
-    """Whether a line that picks are left out of bends by itself: these err together."""
+def _bends(best: Robust) -> Bends:
+    """What a curve of their own explains of the lines under a fit."""
     along, _ = best.agreed.lines.place(best.picks.ideal.uv, best.picks.line)
     sigma_px = max(_sigma_px(best.problem, best.solution), finest(best.problem))
     of_line = np.full(len(best.picks.sizes), sigma_px)
     rounding_px = rounded(best.picks.finest_px)
-    found = bends(best.picks.line, along, best.agreed.distance_px, of_line, rounding_px)
-    return bool(np.any(found.bent[best.picks.line[~best.problem.kept]]))
+    return bends(best.picks.line, along, best.agreed.distance_px, of_line, rounding_px)
 
 
 def _beliefs(problem: Problem, plain: Solution) -> list[NDArray[np.bool_]]:
@@ -160,9 +171,14 @@ def _best(
     if not fits:
         return next((each for each in found if each), None)
     best = max(fits, key=lambda each: each.agreed.evidence)
+    rivals = tuple(
+        lens_of(each.problem, each.solution)
+        for each in fits
+        if each is not best and each.agreed.evidence > best.agreed.evidence - EVIDENCE
+    )
     kept = _by_leverage(best)
     better = _settled(problem, kept, [best.problem.kept], _by_leverage, shares)
-    return better if isinstance(better, Robust) else best
+    return replace(better if isinstance(better, Robust) else best, rivals=rivals)
 
 
 def _settled(

@@ -24,10 +24,12 @@ class Bends(NamedTuple):
     Attributes:
         bend_px: How far each line bends from end to end, shape (l,).
         bent: Whether it bends by itself, shape (l,).
+        left_square: Sum of squared distances that its curve leaves, shape (l,).
     """
 
     bend_px: Array
     bent: NDArray[np.bool_]
+    left_square: Array
 
 
 def bends(
@@ -68,7 +70,8 @@ def bends(
     size = total(q * q)
     curve = total(q * r) / np.where(size > 1e-12, size, np.inf)
     whole, explained = total(r * r), curve**2 * size
-    rest = np.sqrt(np.maximum(whole - explained, 0.0) / np.maximum(number - 3, 1.0))
+    left = np.maximum(whole - explained, 0.0)
+    rest = np.sqrt(left / np.maximum(number - 3, 1.0))
     error = np.maximum(rest, sigma_px)
     starts = np.searchsorted(line, np.arange(n))
     length = np.maximum.reduceat(t, starts) - np.minimum.reduceat(t, starts)
@@ -78,7 +81,7 @@ def bends(
         & (number >= _LEAST_PICKS)
         & (np.abs(curve) * np.sqrt(size) > _BEND * error)
     )
-    return Bends(bend_px, bent & (explained > _EXPLAINED * whole))
+    return Bends(bend_px, bent & (explained > _EXPLAINED * whole), left)
 
 
 def twins(line: NDArray[np.int64], along: Array, across: Array) -> NDArray[np.int64]:

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from plumbline.fit.problem import Problem
 from plumbline.fit.program.blocks import unpack
 from plumbline.fit.program.task import Solution
+from plumbline.fit.robust.pixels import stretch_of_lines
 from plumbline.fit.robust.worth import ROUNDED_PX
 from plumbline.frame import Array
 from plumbline.geometry.derivatives import Ideal
@@ -98,7 +99,8 @@ def picks_at(problems: Sequence[Problem], solutions: Sequence[Solution]) -> Pick
     sizes = np.concatenate([problem.packed.sizes for problem in problems])
     n_free = np.array([len(problem.plan.free) for problem in problems])
     finest_px = np.array([finest(problem) for problem in problems])
-    ideal_px = Ideal(ideal * units, slopes)
+    aspects = np.array([problem.blank.frame.pixel_aspect for problem in problems])[of_problem]
+    ideal_px = Ideal(ideal * units, slopes, aspects)
     return Picks(ideal_px, sizes, line_numbers(sizes), of_problem, n_free, finest_px)
 
 
@@ -138,9 +140,8 @@ def screen(picks: Picks) -> Screened:
 def _least_median_lines(ideal: Ideal, sizes: NDArray[np.int64]) -> Lines:
     """For every line that through the pair of its picks with the least median distance."""
     starts = np.cumsum(sizes) - sizes
-    xx, xy, yx, yy = ideal.stretch.reshape(-1, 4).T
-    area = np.abs(xx * yy - xy * yx)
-    scale = np.sqrt(np.where(area > 0, area, np.inf))
+    scale = stretch_of_lines(ideal, sizes)
+    scale = np.where(scale > 0, scale, np.inf)
     origin, along = np.zeros((len(sizes), 2)), np.zeros((len(sizes), 2))
     for size in np.unique(sizes):
         members = np.flatnonzero(sizes == size)
@@ -192,7 +193,7 @@ def distance_from(picks: Picks, which: NDArray[np.int64], lines: Lines, other: i
     """Distances of some picks from one line in the photograph, without sign."""
     line = np.full(len(which), other)
     _, across = lines.place(picks.ideal.uv[which], line)
-    ideal = Ideal(picks.ideal.uv[which], picks.ideal.stretch[which])
+    ideal = picks.ideal.at(which)
     with np.errstate(invalid="ignore", divide="ignore"):
         image = np.abs(across) / across_stretch(ideal, lines, line)
     return np.where(np.isfinite(image), image, np.inf)

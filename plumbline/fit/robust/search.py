@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from plumbline.fit.problem import Problem
 from plumbline.fit.robust.agreement import Alike, alike, evidence
+from plumbline.fit.robust.pixels import shape_across
 from plumbline.fit.robust.screening import Picks
 from plumbline.frame import Array
 from plumbline.geometry.derivatives import Ideal
@@ -59,12 +60,14 @@ class _Seen(NamedTuple):
         sizes: Number of picks of each line.
         far: Largest radius of all picks.
         unit_px: Square pixels to a normalised radius of 1.
+        aspect: Width over height of the photograph's pixels.
     """
 
     observed: Array
     sizes: NDArray[np.int64]
     far: float
     unit_px: float
+    aspect: float
 
 
 def beginnings(problem: Problem, wrong_px: float) -> list[Begun]:
@@ -113,7 +116,8 @@ def _seen(problem: Problem) -> _Seen:
     held = np.array([problem.plan.start[name] for name in CENTRE])
     observed = packed.unpack(packed.block.xy) - held / problem.to_px[-2:]
     far = float(np.max(np.hypot(*observed.T)))
-    return _Seen(observed, packed.sizes, far, problem.blank.unit_px)
+    blank = problem.blank
+    return _Seen(observed, packed.sizes, far, blank.unit_px, blank.frame.pixel_aspect)
 
 
 def _telling(seen: _Seen) -> _Seen:
@@ -152,6 +156,7 @@ def _evidence(
 ) -> Array:
     """How likely the picks are under lenses of the division model."""
     s = np.sum(seen.observed**2, axis=1) / seen.far**2
+    shape = shape_across(seen.observed, seen.sizes, seen.aspect)
     room = max(1, _CHUNK // (len(s) * 64))
     likely: list[Array] = []
     for some in np.array_split(bends, -(-len(bends) // room)):
@@ -159,7 +164,7 @@ def _evidence(
         below = 1 + one * s + two * s**2
         slope = (1 - one * s - 3 * two * s**2) / below**2
         uv = seen.observed * (seen.unit_px / below[..., None])
-        likely.append(evidence(uv, np.sqrt(slope / below), groups, sigma_px, wrong_px))
+        likely.append(evidence(uv, np.sqrt(slope / below) * shape, groups, sigma_px, wrong_px))
     return np.concatenate(likely)
 
 
@@ -170,6 +175,5 @@ def _bent(seen: _Seen, bend: Array) -> Picks:
     ideal = seen.observed / (1 + c[0] * r2 + c[1] * r2**2)[:, None]
     slopes = get_model("division").stretch(seen.observed, ideal, c)
     one, line = np.zeros(len(r2), dtype=np.int64), line_numbers(seen.sizes)
-    return Picks(
-        Ideal(ideal * seen.unit_px, slopes), seen.sizes, line, one, np.array([1]), np.zeros(1)
-    )
+    placed = Ideal(ideal * seen.unit_px, slopes, seen.aspect)
+    return Picks(placed, seen.sizes, line, one, np.array([1]), np.zeros(1))

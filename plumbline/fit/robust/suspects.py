@@ -16,7 +16,6 @@ from plumbline.fit.robust.oddities import bends, twins
 from plumbline.fit.robust.screening import BEYOND, Picks, reach
 from plumbline.fit.robust.worth import rounded
 from plumbline.frame import Array
-from plumbline.geometry.derivatives import Ideal
 from plumbline.geometry.lines import Lines
 from plumbline.result.calibration import Calibration
 from plumbline.trust.linearised import Linearised, across_stretch
@@ -91,7 +90,7 @@ def suspects_of(calibration: Calibration, found: Robust) -> tuple[Suspect, ...]:
     kept = np.concatenate(calibration.kept)
     sigma_px = np.full(linear.n_lines, calibration.sigma_px)
     rounding_px = rounded(found.picks.finest_px)
-    bend_px, bent = bends(linear.line, linear.along_px, linear.image_px, sigma_px, rounding_px)
+    bend_px, bent, _ = bends(linear.line, linear.along_px, linear.image_px, sigma_px, rounding_px)
     away = {int(n): _other_line(scene, int(n)) for n in np.flatnonzero(~kept)}
     unsure = ~kept & ~found.agreed.kept & ~found.agreed.wrong
     unclear = set(np.flatnonzero(unsure).tolist())
@@ -148,10 +147,9 @@ def _other_line(scene: _Scene, number: int) -> tuple[int, float] | None:
     """The line that a pick lies on, if it is another one, and its distance from that."""
     lines, own = scene.lines, int(scene.linear.line[number])
     every = np.arange(len(lines.count))
-    uv = np.broadcast_to(scene.picks.ideal.uv[number], (len(every), 2))
-    slopes = np.broadcast_to(scene.picks.ideal.stretch[number], (len(every), 2, 2))
-    along, across = lines.place(uv, every)
-    away = np.abs(across) / across_stretch(Ideal(uv, slopes), lines, every)
+    ideal = scene.picks.ideal.at(np.full(len(every), number))
+    along, across = lines.place(ideal.uv, every)
+    away = np.abs(across) / across_stretch(ideal, lines, every)
     fits = (lines.count >= LEAST) & (scene.photo == scene.photo[own]) & (every != own)
     fits &= np.abs(along) <= BEYOND * np.sqrt(lines.spread / np.maximum(lines.count, 1.0))
     away = np.where(fits & np.isfinite(away), away, np.inf)

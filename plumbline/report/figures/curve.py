@@ -9,9 +9,8 @@ import numpy as np
 from plumbline.frame import Array
 from plumbline.geometry.finding import radial_curve
 from plumbline.report.figures import style
-from plumbline.report.figures.subject import Subject, drawn_lines, quoted_covariance, reach
+from plumbline.report.figures.subject import Subject, drawn_lines
 from plumbline.result.calibration import Calibration
-from plumbline.trust.displacement import displacement_errors
 
 _DIRECTIONS = 16
 """Chosen: decentring turns the error once or twice around the centre."""
@@ -30,7 +29,7 @@ def curve(subject: Subject) -> Any:
     band = band_px(calibration, observed)
     if band is not None:
         filled: dict[str, Any] = {"color": style.SKY, "alpha": 0.4, "linewidth": 0}
-        label = f"95 % band, {_whose(calibration)}"
+        label = "95 % band of the error to quote"
         axes.fill_between(observed, shift - band, shift + band, label=label, **filled)
         below.fill_between(observed, -band, band, **filled)
     axes.plot(observed, shift, color=style.BLUE, linewidth=1.6, label="displacement")
@@ -74,10 +73,6 @@ def _shade_beyond(axes: Any, farthest: float, corner: float) -> None:
         )
 
 
-def _whose(calibration: Calibration) -> str:
-    return "leaving out lines" if calibration.quotes_jackknife else "independent picking errors"
-
-
 def band_px(calibration: Calibration, radius_px: Array) -> Array | None:
     """Half the width of the 95 % band at each radius, the widest of all directions.
 
@@ -90,7 +85,6 @@ def band_px(calibration: Calibration, radius_px: Array) -> Array | None:
         folds inside the photo.
     """
     frame = calibration.lens.frame
-    covariance, _ = quoted_covariance(calibration)
     centre = frame.normalise(calibration.lens.centre_px, 1.0)
     half = np.array(frame.square_size) / 2
     first = float(np.arctan2(half[1], half[0]))  # a diagonal is the longest way in the photo
@@ -100,9 +94,9 @@ def band_px(calibration: Calibration, radius_px: Array) -> Array | None:
     points = frame.to_pixels(centre + radius_px[:, None, None] * away, 1.0)
     inside = frame.contains(points)
     errors = np.full(inside.shape, -np.inf)
-    found = displacement_errors(calibration.lens, calibration.free, covariance, points[inside])
+    found = calibration.trust.quoted_errors_px(points[inside])
     if found is None:
         return None
     errors[inside] = found
     widest = errors.max(axis=1)
-    return reach(calibration) * np.where(np.isfinite(widest), widest, np.nan)
+    return calibration.trust.interval_factor * np.where(np.isfinite(widest), widest, np.nan)

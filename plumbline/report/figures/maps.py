@@ -12,11 +12,10 @@ from plumbline.report.figures import style
 from plumbline.report.figures.subject import (
     Subject,
     drawn_lines,
-    quoted_covariance,
     round_factor,
 )
 from plumbline.result.calibration import Calibration
-from plumbline.trust.displacement import displacement_errors, grid_px
+from plumbline.trust.displacement import grid_px
 
 _FINE = 49
 """Nodes a side of the contours; chosen, finer ones look the same."""
@@ -63,8 +62,7 @@ def uncertainty(subject: Subject) -> Any:
     """The standard error of the correction to quote, and where the picks lie."""
     calibration = subject.calibration
     points = grid_px(calibration.lens, _FINE)
-    covariance, _ = quoted_covariance(calibration)
-    errors = displacement_errors(calibration.lens, calibration.free, covariance, points)
+    errors = calibration.trust.quoted_errors_px(points)
     figure, axes = _map(calibration.lens)
     if errors is None:
         axes.text(

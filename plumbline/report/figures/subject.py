@@ -19,7 +19,6 @@ from plumbline.report.photos import ShownPhoto
 from plumbline.result.calibration import Calibration
 from plumbline.result.pair import PairCalibration
 from plumbline.trust.linearised import in_frame
-from plumbline.trust.student import quantile
 
 _CURVE = 48
 """Points along a line's curve; chosen, it looks smooth."""
@@ -159,18 +158,6 @@ def seen(lens: Lens, frame: Frame, ideal: Array) -> Array:
     except FoldedError:
         return np.full_like(ideal, np.nan)
     return frame.to_pixels(lens.frame.normalise(observed, 1.0), 1.0)
-
-
-def quoted_covariance(calibration: Calibration) -> tuple[Array, int]:
-    """The covariance whose errors are the ones to quote, and its degrees of freedom."""
-    if calibration.quotes_jackknife and calibration.jackknife is not None:
-        return calibration.jackknife.covariance, calibration.jackknife.dof
-    return calibration.covariance, calibration.dof
-
-
-def reach(calibration: Calibration) -> float:
-    """How many standard errors to quote a 95 % interval takes."""
-    return quantile(0.975, quoted_covariance(calibration)[1])
 
 
 def round_factor(wanted_px: float, size_px: float) -> float:

@@ -215,7 +215,14 @@ def errors(calibration: Calibration) -> Iterator[str]:
     sure, wide = calibration.displacement, calibration.jackknife_displacement
     if sure is None:
         return
-    if calibration.quotes_jackknife:
+    if calibration.quoted is not None:
+        left = "" if wide is None else f", leaving out one line at a time {px(wide.worst_px)}"
+        yield f"The error to quote and its parts: {calibration.quoted.sentence}."
+        yield (
+            f"Over the whole photo independent picking errors give {px(sure.worst_px)}{left}; what "
+            "the picks give is drawn from both and widened for few degrees of freedom."
+        )
+    elif calibration.quotes_jackknife:
         yield (
             "The error to quote comes from leaving out one line at a time, and not from "
             f"independent picking errors, which give {px(sure.worst_px)}: picks of one line err "

@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from plumbline.report.page.figures import photo_name
 from plumbline.result.calibration import Calibration
 from plumbline.result.comparison import Candidate, Comparison
-from plumbline.trust.student import quantile
 from plumbline.wording import count, joined, px
 
 _BEHIND = 4.0
@@ -36,9 +35,7 @@ def _error(calibration: Calibration) -> str:
     sure = calibration.quoted_displacement
     if sure is None:
         return "the model folds inside the photo, and the error of the correction is not known"
-    left = calibration.jackknife
-    dof = left.dof if calibration.quotes_jackknife and left is not None else calibration.dof
-    interval = px(quantile(0.975, dof) * sure.worst_px)
+    interval = px(calibration.trust.interval_factor * sure.worst_px)
     return (
         f"the correction is uncertain by at most {px(sure.worst_px)} ({sure.worst_place}; one "
         f"standard error; 95 %: ±{interval})"

@@ -299,7 +299,7 @@ def test_straightness_before_is_the_distance_from_a_straight_line() -> None:
         assert abs(found.sum()) < 1e-9
     along = np.linspace(0, 100, 5)
     assert np.max(np.abs(_across(np.stack((0 * along, along), -1)))) < 1e-12
-    # Pixels 1.5 times as wide as high: 4 px along x are 6 of square height.
+    # Four pixels along x are four, however wide they are.
     upright = np.array([[100.0, 10.0], [104.0, 60.0], [104.0, 110.0], [100.0, 160.0]])
     wide = Observations.from_arrays([upright], (300, 200), pixel_aspect=1.5)
-    np.testing.assert_allclose(np.abs(straightness_before(wide)[0]), 3.0, rtol=1e-12)
+    np.testing.assert_allclose(np.abs(straightness_before(wide)[0]), 2.0, rtol=1e-12)

@@ -171,9 +171,21 @@ def test_the_band_ends_with_the_photo() -> None:
     corner = float(np.hypot(2256, 1504) / 2)
     band = band_px(made, np.array([0.0, 500.0, corner - 2, corner + 5]))
     assert band is not None
-    assert band[0] == pytest.approx(0, abs=1e-9)
     assert 0 < band[1] < band[2]
     assert np.isnan(band[3])
+
+
+def test_the_band_is_that_of_the_error_to_quote() -> None:
+    made = building()
+    assert made.quoted is not None
+    worst = made.quoted.total.worst_at_px[0]
+    radius = float(np.hypot(*(worst - made.lens.centre_px)))
+    band = band_px(made, np.array([radius]))
+    assert band is not None
+    # Directions are 22.5° apart: the worst place lies between two of them.
+    assert band[0] == pytest.approx(1.96 * made.quoted.worst_px, rel=0.1)
+    assert made.displacement is not None
+    assert band[0] > 2.5 * made.displacement.worst_px
 
 
 def test_an_upright_photo_among_sideways_ones() -> None:
