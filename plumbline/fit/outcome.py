@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from plumbline.errors import About
+from plumbline.fit.bends.generalised import bending
 from plumbline.fit.problem import Problem
 from plumbline.fit.program.blocks import unpack
 from plumbline.fit.program.task import Solution
@@ -116,6 +117,7 @@ def _assembled(
     )
     if problem.residual == "corrected":
         calibration = _with_sandwich(calibration)
+    calibration = bending(calibration)
     return calibration if n_kept == len(problem.kept) else _with_left_out(calibration)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plumbline.errors import About, CollapsedFitError, DegenerateLinesError, PlumblineError
+from plumbline.fit.bends.judged import bent_fits
 from plumbline.fit.outcome import finish, finish_many
 from plumbline.fit.problem import Problem, Start, prepare
 from plumbline.fit.program.solve import solve
@@ -51,6 +52,29 @@ def finished(
     robust: bool,
 ) -> list[Calibration]:
     """Calibrations of one model with their suspects; errors begin with the lens's name."""
+    bent = bent_fits(problems, solutions, robust=robust)
+    rest = [number for number, each in enumerate(bent) if each is None]
+    others = iter(
+        _unbent(
+            [problems[number] for number in rest],
+            [solutions[number] for number in rest],
+            [names[number] for number in rest],
+            robust=robust,
+        )
+        if rest
+        else ()
+    )
+    return [next(others) if each is None else each for each in bent]
+
+
+def _unbent(
+    problems: Sequence[Problem],
+    solutions: Sequence[Solution],
+    names: Sequence[str],
+    *,
+    robust: bool,
+) -> list[Calibration]:
+    """The same for edges that are not seen to bend: each pick is judged by itself."""
     found = robust_fits(problems, solutions)
     if not robust:
         plain = zip(finish_many(problems, solutions, names), found, strict=True)

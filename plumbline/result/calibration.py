@@ -17,6 +17,7 @@ from plumbline.geometry.lens import Lens
 from plumbline.observations import Observations
 from plumbline.result.notes import notes_on
 from plumbline.trust.assessment import Assessment, ResidualKind
+from plumbline.trust.bends import Bends
 from plumbline.trust.bootstrap import Bootstrap
 from plumbline.trust.check import Check
 from plumbline.trust.displacement import Displacement
@@ -25,7 +26,13 @@ from plumbline.trust.linearised import Linearised
 from plumbline.trust.model_error import ModelError
 from plumbline.trust.placement import before_fit
 from plumbline.trust.quoted import Quoted
-from plumbline.trust.straightness import LineStraightness, largest, rms, straightness_before
+from plumbline.trust.straightness import (
+    LineStraightness,
+    largest,
+    rms,
+    straightness_before,
+    straightness_of,
+)
 from plumbline.trust.student import quantile
 from plumbline.trust.suspect import Suspect
 from plumbline.trust.verdicts import after_fit, doubt
@@ -43,7 +50,8 @@ class Calibration:
             began from nothing, free ones are 0.
         residual: Which residual was minimised.
         covariance: Of the free coefficients in the order of `free`; `d`, `e` in pixels.
-        sigma_px: Estimated standard deviation of one pick across its line, σ̂.
+        sigma_px: Estimated standard deviation of one pick across its line, σ̂; the bends of edges
+            are not in it where they are told apart.
         dof: Degrees of freedom: points − 2 · lines − free coefficients.
         residuals_px: Signed residuals, one array for each line; those of picks left out are their
             distances from the line through the others, or through all of a line left out as a
@@ -56,6 +64,8 @@ class Calibration:
         suspects: Picks that a robust fit finds wrong; a plain fit names them and uses them.
         robust: Whether suspicious picks were left out.
         bootstrap: Repeated fits to resampled residuals, where they were asked for.
+        bends: How edges bend by themselves; None where that cannot be told from noise, and the
+            fit is an ordinary one.
         command: The command line that made it; empty in Python.
         version: The version of plumbline that made it.
     """
@@ -77,6 +87,7 @@ class Calibration:
     suspects: tuple[Suspect, ...] = ()
     robust: bool = False
     bootstrap: Bootstrap | None = None
+    bends: Bends | None = None
     command: str = ""
     version: str = __version__
 
@@ -115,6 +126,7 @@ class Calibration:
             self.suspects,
             self.robust,
             self.bootstrap,
+            self.bends,
         )
 
     @property
@@ -251,15 +263,11 @@ class Calibration:
     @property
     def lines(self) -> tuple[LineStraightness, ...]:
         """Straightness of every line; one left out as a whole is measured nevertheless."""
-        measured: list[LineStraightness] = []
-        for line, before, after, kept in zip(
+        noise_px = None if self.bends is None else self.sigma_px
+        rows = zip(
             self.observations.lines, self.before_px, self.residuals_px, self.kept, strict=True
-        ):
-            which = kept if kept.any() else ~kept
-            numbers = (rms([before[which]]), rms([after[which]]), largest([after[which]]))
-            count = int(np.count_nonzero(kept))
-            measured.append(LineStraightness(line.label, line.photo, count, *numbers))
-        return tuple(measured)
+        )
+        return tuple(straightness_of(*row, noise_px) for row in rows)
 
     @property
     def _straight(self) -> tuple[LineStraightness, ...]:

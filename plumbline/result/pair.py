@@ -121,6 +121,7 @@ class PairCalibration(Calibration):
             self.suspects,
             self.robust,
             self.bootstrap,
+            self.bends,
             self.setting,
         )
 

@@ -13,8 +13,10 @@ from plumbline.frame import Array
 from plumbline.geometry.finding import Finding, finding_of
 from plumbline.geometry.lens import Lens
 from plumbline.observations import Observations
+from plumbline.trust.bends import Bends, weighed
 from plumbline.trust.besides import Besides
 from plumbline.trust.bootstrap import Bootstrap
+from plumbline.trust.clusters import clusters_of
 from plumbline.trust.displacement import (
     Displacement,
     displacement_errors,
@@ -51,6 +53,7 @@ class Assessment:
         suspects: Picks that a robust fit finds wrong.
         robust: Whether suspicious picks were left out.
         bootstrap: Repeated fits to resampled residuals, where they were asked for.
+        bends: How edges bend by themselves, where that is told from noise.
     """
 
     observations: Observations
@@ -63,6 +66,7 @@ class Assessment:
     suspects: tuple[Suspect, ...]
     robust: bool
     bootstrap: Bootstrap | None
+    bends: Bends | None
 
     @property
     def standard_errors(self) -> dict[str, float]:
@@ -84,7 +88,7 @@ class Assessment:
 
     @cached_property
     def linearised(self) -> Linearised:
-        """Residuals and their derivatives, from which all that follows is computed."""
+        """Residuals and their derivatives, pick by pick."""
         return linearise(
             self.lens,
             in_frame(self.observations, self.lens.frame),
@@ -94,6 +98,13 @@ class Assessment:
             richer=self.lens.model.richer(self.free),
             nuisances=self.nuisances,
         )
+
+    @cached_property
+    def weighed(self) -> Linearised:
+        """The same as if picks erred independently, from which all that follows is computed."""
+        if self.bends is None:
+            return self.linearised
+        return weighed(self.linearised, self.bends, self.sigma_px)
 
     @cached_property
     def nuisances(self) -> Nuisances:
@@ -119,7 +130,7 @@ class Assessment:
     @cached_property
     def jackknife(self) -> Jackknife | None:
         """How much the result depends on each line; None where it needs one of them."""
-        return jackknife(self.linearised, self.edges)
+        return jackknife(self.weighed, self.together)
 
     @cached_property
     def edges(self) -> NDArray[np.int64]:
@@ -127,9 +138,19 @@ class Assessment:
         return edges_of(self.lens, self.observations, self.sigma_px)
 
     @cached_property
+    def together(self) -> NDArray[np.int64]:
+        """The lines that a jackknife leaves out together, as the number of the first, shape (l,).
+
+        Those along one edge; where edges bend, also parallel neighbours, which may share a bend.
+        """
+        if self.bends is None:
+            return self.edges
+        return clusters_of(self.lens, self.observations)
+
+    @cached_property
     def model_error(self) -> ModelError | None:
         """How far a richer model would move the correction."""
-        return model_error(self.lens, self.free, self.linearised, self.sigma_px)
+        return model_error(self.lens, self.free, self.weighed, self.sigma_px)
 
     @cached_property
     def displacement(self) -> Displacement | None:
@@ -153,8 +174,8 @@ class Assessment:
             return None
         k = len(self.free)
         return steadiness(
-            self.linearised,
-            self.edges,
+            self.weighed,
+            self.together,
             self._moved[..., :k],
             float(np.max(own)),
             float(np.max(wide)),
@@ -169,7 +190,7 @@ class Assessment:
     @cached_property
     def besides(self) -> Besides:
         """What the lens may do besides the fitted model, and what the picks say of that."""
-        return Besides(self.linearised, self.nuisances, self.dof, self._moved, self.steadiness)
+        return Besides(self.weighed, self.nuisances, self.dof, self._moved, self.steadiness)
 
     @cached_property
     def quoted(self) -> Quoted | None:

@@ -54,7 +54,7 @@ def after_fit(trust: Assessment) -> tuple[Check, ...]:
 
 
 def _condition(trust: Assessment) -> Check:
-    normal = trust.linearised.normal
+    normal = trust.weighed.normal
     scale = np.sqrt(np.diag(normal))
     square = np.outer(scale, scale)
     balanced = np.divide(normal, square, out=np.zeros_like(normal), where=square > 0)
