@@ -98,9 +98,9 @@ def weighed(linear: Linearised, bends: Bends, sigma_px: float) -> Linearised:
         rows = starts[line] + np.flatnonzero(linear.kept[starts[line] : starts[line + 1]])
         if len(rows) < 2:
             continue
-        white = _Whitener.of(hats(linear.along_px[rows]) @ (np.sqrt(ratio) * shape))
-        basis = np.linalg.qr(white(own[rows]))[0]
-        values = white(columns[rows])
+        bend = hats(linear.along_px[rows]) @ (np.sqrt(ratio) * shape)
+        basis = np.linalg.qr(_whitened(bend, own[rows]))[0]
+        values = _whitened(bend, columns[rows])
         columns[rows] = values - basis @ (basis.T @ values)
         leverage[rows] = np.sum(basis**2, axis=1)
     k, m = linear.jacobian.shape[1], linear.extra.shape[1]
@@ -123,21 +123,16 @@ def line_columns(linear: Linearised) -> Array:
     )
 
 
-@dataclass(frozen=True, eq=False)
-class _Whitener:
-    """Ω^(−1/2) of Ω = I + B Bᵀ, as I − B V φ(E) Vᵀ Bᵀ with V E Vᵀ = Bᵀ B.
+def _whitened(basis: Array, values: Array) -> Array:
+    """W v with WᵀW = Ω⁻¹ of Ω = I + B Bᵀ, shape (n, k).
 
-    φ(e) = (1 − (1 + e)^(−1/2)) / e, written so that small e do not cancel.
+    With the Cholesky factor L of A = I + BᵀB, W = I − B (A + L)⁻¹ Bᵀ: Lᵀ is a square root of A, and
+    WᵀW = I − B A⁻¹ Bᵀ by multiplying out.
+
+    Args:
+        basis: B, shape (n, m).
+        values: v, shape (n, k).
     """
-
-    turned: Array
-    shrunk: Array
-
-    @staticmethod
-    def of(basis: Array) -> _Whitener:
-        values, vectors = np.linalg.eigh(basis.T @ basis)
-        length = np.sqrt(1 + np.maximum(values, 0.0))
-        return _Whitener(basis @ vectors, 1 / (length * (1 + length)))
-
-    def __call__(self, values: Array) -> Array:
-        return values - self.turned @ (self.shrunk[:, None] * (self.turned.T @ values))
+    inner = np.eye(basis.shape[1]) + basis.T @ basis
+    lower = np.linalg.cholesky(inner)
+    return values - basis @ np.linalg.solve(inner + lower, basis.T @ values)

@@ -31,9 +31,9 @@ _LEAST_LINES = 3
 _FINEST_PX = 0.01
 """σ̂ below which residuals are rounding, or of a lens that was computed and not photographed."""
 
-_NEIGHBOURS = 3.0
+_NEIGHBOURS = 1.0
 """Standard deviations of the correlation of neighbours from which bends are looked for: chosen, so
-that it costs nothing where picks err independently; `_CLEAR` decides."""
+that most fits of independent picks need no look; `_CLEAR` decides."""
 
 _CLEAR = 14.0
 """Twice the logarithm of the likelihood that bends must gain: chosen, as χ² of two reaches it once

@@ -7,6 +7,7 @@ columns, one set a line, so that only their sums run over the samples.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import NamedTuple
@@ -15,21 +16,30 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plumbline.frame import Array
-from plumbline.trust.bends import ORDERS, hats, line_columns, root
+from plumbline.trust.bends import NODES, ORDERS, hats, line_columns, root
 from plumbline.trust.linearised import Linearised
 
 _LENGTHS = (0.03, 0.06, 0.1, 0.17, 0.3, 0.5, 0.9, 1.5)
 """Lengths that are tried, as shares of a line: bends traced on photographs have 0.03 to 1."""
 
-_RATIOS = 10.0 ** np.arange(-2.0, 5.01, 0.125)
+_STEP = 0.125
+_RATIOS = 10.0 ** np.arange(-2.0, 5.01, _STEP)
 """τ²/σ² that are tried: bends from a tenth of the noise, which nobody sees, to 300 times."""
 
 _COARSE = 6
 """Step of the first look at them."""
 
+_RIDGE = 1e-13
+"""Keeps a line through the centre, which does not see the lens, from a root of less than nothing;
+columns of the lens have length 1."""
+
 _SCATTER = 1.0
 """Scale of ln τ²/σ² of lines about the common one (of a Laplace distribution, so that one wavy
 sheet among true edges is let go): chosen, τ of two lines then differs by 1.6 as a rule."""
+
+_SWEEPS = 2
+"""Times that shapes are tried: the second knows how unevenly lines bend, so that one wavy line
+does not choose the shape for all."""
 
 _PASSES = 4
 """Times that lines and what is common to them are found in turn: chosen, three hardly change."""
@@ -63,18 +73,42 @@ def estimated(linear: Linearised, shape: tuple[float, float] | None = None) -> E
         shape: ℓ and ν, where they are known already.
     """
     sums = _Sums.of(linear)
-    some = sums.only(np.unique(np.linspace(0, len(sums.number) - 1, _LINES).astype(np.int64)))
-    shapes = product(_LENGTHS, ORDERS) if shape is None else [shape]
-    best, common, length, order = max((*some.over(*each).likeliest(), *each) for each in shapes)
-    none = some.over(length, order).likelihood(0.0)
-    spread = sums.over(length, order)
-    ratios = np.full(len(sums.number), common)
-    for _ in range(_PASSES):
-        ratios = spread.of_lines(common, spread.variance(ratios))
-        common = float(np.exp(np.mean(np.log(ratios))))
+    which = np.unique(np.linspace(0, len(sums.number) - 1, _LINES).astype(np.int64))
+    some = sums.only(which)
+    shapes = list(product(_LENGTHS, ORDERS)) if shape is None else [shape]
+    uneven = np.ones(len(sums.number))
+    gains: list[float] = []
+    for _ in range(1 if shape else _SWEEPS):
+        gain, common, length, order = _likeliest(some, uneven[which], shapes)
+        gains.append(gain)
+        lines = _Lines.of(sums.over(length, order))
+        ratios = common * uneven
+        for _ in range(_PASSES):
+            ratios = lines.ratios(common, lines.variance(ratios))
+            common = float(np.exp(np.mean(np.log(ratios))))
+        uneven = ratios / common
     every = np.full(linear.n_lines, common)
     every[sums.number] = ratios
-    return Estimate(length, order, every, 2 * (best - none))
+    return Estimate(length, order, every, gains[0])
+
+
+def _likeliest(
+    sums: _Sums, uneven: Array, shapes: Sequence[tuple[float, float]]
+) -> tuple[float, float, float, float]:
+    """What bends gain over none, common τ²/σ², ℓ and ν that are likeliest.
+
+    Args:
+        sums: Lines.
+        uneven: τ² of each over what is common, shape (l,).
+        shapes: ℓ and ν that are tried.
+    """
+    coarse = _RATIOS[::_COARSE].tolist()
+    rough = [(sums.over(*each).likelihood(q * uneven), q, *each) for each in shapes for q in coarse]
+    _, near, length, order = max(rough)
+    spread = sums.over(length, order)
+    fine = _RATIOS[np.abs(np.log10(_RATIOS / near)) < _COARSE * _STEP].tolist()
+    best, common = max((spread.likelihood(q * uneven), q) for q in fine)
+    return 2 * (best - spread.likelihood(0 * uneven)), common, length, order
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,75 +165,90 @@ class _Sums:
     def over(self, length: float, order: float) -> _Spread:
         """The same for bends of one shape."""
         shape = root(length, order)
-        values, vectors = np.linalg.eigh(shape.T @ self.nodes @ shape)
-        turned = vectors.transpose(0, 2, 1) @ (shape.T @ self.mixed)
-        return _Spread(np.maximum(values, 0.0), turned, self.columns, self.size)
+        m, c = NODES, self.columns.shape[1]
+        every = np.empty((len(self.size), m + c, m + c))
+        every[:, :m, :m] = shape.T @ self.nodes @ shape
+        every[:, :m, m:] = shape.T @ self.mixed
+        every[:, m:, :m] = every[:, :m, m:].transpose(0, 2, 1)
+        every[:, m:, m:] = self.columns
+        return _Spread(every, self.size)
 
 
 @dataclass(frozen=True, eq=False)
 class _Spread:
-    """Lines whose bends have one shape, in the axes in which their bends are independent.
+    """Lines whose bends have one shape.
 
-    With Ω = I + q B R Rᵀ Bᵀ of a line and q = τ²/σ²: ln|Ω| = Σ ln(1 + q e), and
-    CᵀΩ⁻¹C = CᵀC − Zᵀ (q / (1 + q e)) Z.
+    With Ω = I + q A Aᵀ of a line and q = τ²/σ², the Cholesky factor of the products of √q A and C,
+    an identity added to those of the first, has ln|Ω| on the diagonal of its first block and the
+    factor of CᵀΩ⁻¹C for its last.
+
+    Attributes:
+        products: [A C]ᵀ[A C] of each line, shape (l, NODES + c, NODES + c).
+        size: Samples of each, shape (l,).
     """
 
-    e: Array
-    z: Array
-    columns: Array
+    products: Array
     size: NDArray[np.int64]
 
-    def likeliest(self) -> tuple[float, float]:
-        """The largest restricted likelihood, and τ²/σ², common to all lines, that has it."""
-        places = range(0, len(_RATIOS), _COARSE)
-        known = {place: self.likelihood(float(_RATIOS[place])) for place in places}
-        middle = max(known, key=lambda place: known[place])
-        for place in range(max(middle - _COARSE, 0), min(middle + _COARSE + 1, len(_RATIOS))):
-            if place not in known:
-                known[place] = self.likelihood(float(_RATIOS[place]))
-        best = max(known, key=lambda place: known[place])
-        return known[best], float(_RATIOS[best])
+    @property
+    def free(self) -> int:
+        """Contrasts that neither lines nor lens take up."""
+        k = self.products.shape[1] - NODES - 3
+        return int(self.size.sum()) - 2 * len(self.size) - k
 
-    def likelihood(self, ratio: float) -> float:
+    def likelihood(self, ratios: Array) -> float:
         """The logarithm of the restricted likelihood at its best σ, constants left out."""
-        left, own = self._left(np.full(len(self.size), ratio))
-        whole = left.sum(axis=0)
-        square, of_lens = _last_alone(whole)
-        free = self._free(whole)
-        spread = float(np.sum(np.log1p(ratio * self.e)))
-        return -0.5 * (free * np.log(square / free) + spread + float(np.sum(own)) + of_lens)
+        left, spread = self.left(ratios)
+        square, of_lens = _last_alone(left.sum(axis=0))
+        return -0.5 * (self.free * np.log(square / self.free) + float(np.sum(spread)) + of_lens)
+
+    def left(self, ratios: Array) -> tuple[Array, Array]:
+        """CᵀΩ⁻¹C of lens and residual without the lines' own columns, and ln|Ω| + ln|those'|."""
+        scale = np.ones(self.products.shape[:2])
+        scale[:, :NODES] = np.sqrt(ratios)[:, None]
+        whole = self.products * (scale[:, :, None] * scale[:, None, :])
+        ridge = np.full(scale.shape[1], _RIDGE)
+        ridge[:NODES] = 1.0
+        factor = np.linalg.cholesky(whole + np.diag(ridge))
+        diagonal = np.diagonal(factor, axis1=1, axis2=2)[:, : NODES + 2]
+        last = factor[:, NODES + 2 :, NODES + 2 :]
+        return last @ last.transpose(0, 2, 1), 2 * np.sum(np.log(diagonal), axis=1)
+
+
+class _Lines(NamedTuple):
+    """What every line says of every ratio that is tried.
+
+    Attributes:
+        left: As `_Spread.left`, shape (ratios, l, k + 1, k + 1).
+        spread: The same, shape (ratios, l).
+        free: As `_Spread.free`.
+    """
+
+    left: Array
+    spread: Array
+    free: int
+
+    @staticmethod
+    def of(spread: _Spread) -> _Lines:
+        one = np.ones(len(spread.size))
+        left, spreads = zip(*(spread.left(q * one) for q in _RATIOS.tolist()), strict=True)
+        return _Lines(np.array(left), np.array(spreads), spread.free)
 
     def variance(self, ratios: Array) -> float:
         """σ² that is likeliest."""
-        whole = self._left(ratios)[0].sum(axis=0)
-        return _last_alone(whole)[0] / self._free(whole)
+        place = np.argmin(np.abs(np.log(_RATIOS[:, None] / ratios)), axis=0)
+        chosen = self.left[place, np.arange(len(ratios))]
+        return _last_alone(chosen.sum(axis=0))[0] / self.free
 
-    def _free(self, whole: Array) -> int:
-        return int(self.size.sum()) - 2 * len(self.size) - (len(whole) - 1)
-
-    def of_lines(self, common: float, variance: float) -> Array:
+    def ratios(self, common: float, variance: float) -> Array:
         """τ²/σ² of each line at a lens and σ² known, shrunk towards what is common."""
-        found = np.empty((len(_RATIOS), len(self.size)))
-        for place, ratio in enumerate(_RATIOS.tolist()):
-            left, own = self._left(np.full(len(self.size), ratio))
-            spread = np.sum(np.log1p(ratio * self.e), axis=1)
-            found[place] = -0.5 * (spread + own + left[:, -1, -1] / variance)
-            found[place] -= abs(np.log(ratio / common)) / _SCATTER
-        return _RATIOS[np.argmax(found, axis=0)]
-
-    def _left(self, ratios: Array) -> tuple[Array, Array]:
-        """CᵀΩ⁻¹C of lens and residual without the lines' own columns, and ln|those'|, per line."""
-        q = ratios[:, None]
-        weighted = (q / (1 + q * self.e))[..., None] * self.z
-        m = self.columns - self.z.transpose(0, 2, 1) @ weighted
-        own, cross = m[:, :2, :2], m[:, :2, 2:]
-        left = m[:, 2:, 2:] - cross.transpose(0, 2, 1) @ np.linalg.solve(own, cross)
-        return left, np.linalg.slogdet(own)[1]
+        likely = -0.5 * (self.spread + self.left[..., -1, -1] / variance)
+        likely -= np.abs(np.log(_RATIOS / common))[:, None] / _SCATTER
+        return _RATIOS[np.argmax(likely, axis=0)]
 
 
 def _last_alone(normal: Array) -> tuple[float, float]:
     """The last column's square without the others, and ln|the others|."""
-    rest, cross = normal[:-1, :-1], normal[:-1, -1]
-    return float(normal[-1, -1] - cross @ np.linalg.solve(rest, cross)), float(
-        np.linalg.slogdet(rest)[1]
-    )
+    k = len(normal) - 1
+    factor = np.linalg.cholesky(normal + _RIDGE * np.eye(k + 1))
+    return float(factor[-1, -1]) ** 2, 2 * float(np.sum(np.log(np.diag(factor)[:k])))
