@@ -28,7 +28,8 @@ _WILD = 5.0
 with room for a façade's wavy sheet."""
 
 _VISIBLE_PX = 0.5
-"""Bend that no straight edge has: edges traced on photographs bend by .06 to .5 px."""
+"""Bend that no straight edge has, and the least that a stray is away: edges traced on photographs
+bend by .06 to .5 px, and single samples on texture are off by as much."""
 
 _STEPS = 8
 """Reweightings of a line of least absolute deviations: chosen, as half its stretch may be wrong."""
@@ -44,7 +45,7 @@ def strays(linear: Linearised) -> NDArray[np.bool_]:
     known = np.isfinite(away)
     sigma_px = _MAD * float(np.median(np.abs(away[known]))) if known.any() else np.inf
     n = int(np.count_nonzero(known))
-    return known & (np.abs(away) > reach(max(n - 1, 2), max(n, 1)) * sigma_px)
+    return known & (np.abs(away) > max(reach(max(n - 1, 2), max(n, 1)) * sigma_px, _VISIBLE_PX))
 
 
 def named(calibration: Calibration, wrong: NDArray[np.bool_]) -> tuple[Suspect, ...]:
