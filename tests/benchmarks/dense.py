@@ -225,17 +225,21 @@ def row(case: Case, trials: int) -> Row:
         squares.append([float(np.mean(each**2)) for each in wrong_px])
         seen.append(made.bends is not None)
         found.append([made.sigma_px, edges_bend_px(made.lines) or 0.0])
-    shares = np.sum(within, axis=0) / trials
-    sizes = np.sqrt(np.mean(squares, axis=0))
-    typical = np.median(found, axis=0)
+    plain, own, quoted = (np.sum(within, axis=0) / trials).tolist()
+    ordinary_px, fitted_px = np.sqrt(np.mean(squares, axis=0)).tolist()
+    sigma_px, found_px = np.median(found, axis=0).tolist()
     return Row(
-        case.name,
-        case.bend_px,
-        failures,
-        *shares.tolist(),
-        *sizes.tolist(),
-        float(np.mean(seen)),
-        *typical.tolist(),
+        name=case.name,
+        bend_px=case.bend_px,
+        failures=failures,
+        plain=plain,
+        own=own,
+        quoted=quoted,
+        ordinary_px=ordinary_px,
+        fitted_px=fitted_px,
+        seen=float(np.mean(seen)),
+        sigma_px=sigma_px,
+        found_px=found_px,
     )
 
 

@@ -37,10 +37,6 @@ _SCATTER = 1.0
 """Scale of ln τ²/σ² of lines about the common one (of a Laplace distribution, so that one wavy
 sheet among true edges is let go): chosen, τ of two lines then differs by 1.6 as a rule."""
 
-_SWEEPS = 2
-"""Times that shapes are tried: the second knows how unevenly lines bend, so that one wavy line
-does not choose the shape for all."""
-
 _PASSES = 4
 """Times that lines and what is common to them are found in turn: chosen, three hardly change."""
 
@@ -73,23 +69,33 @@ def estimated(linear: Linearised, shape: tuple[float, float] | None = None) -> E
         shape: ℓ and ν, where they are known already.
     """
     sums = _Sums.of(linear)
-    which = np.unique(np.linspace(0, len(sums.number) - 1, _LINES).astype(np.int64))
-    some = sums.only(which)
     shapes = list(product(_LENGTHS, ORDERS)) if shape is None else [shape]
-    uneven = np.ones(len(sums.number))
-    gains: list[float] = []
-    for _ in range(1 if shape else _SWEEPS):
-        gain, common, length, order = _likeliest(some, uneven[which], shapes)
-        gains.append(gain)
-        lines = _Lines.of(sums.over(length, order))
-        ratios = common * uneven
-        for _ in range(_PASSES):
-            ratios = lines.ratios(common, lines.variance(ratios))
-            common = float(np.exp(np.mean(np.log(ratios))))
-        uneven = ratios / common
-    every = np.full(linear.n_lines, common)
-    every[sums.number] = ratios
-    return Estimate(length, order, every, gains[0])
+    found = _swept(sums, np.ones(len(sums.number)), shapes)
+    gain = found.gain
+    if shape is None:  # again: one wavy line does not choose the shape for all
+        common = float(np.exp(np.mean(np.log(found.ratios))))
+        found = _swept(sums, found.ratios / common, shapes)
+    every = np.full(linear.n_lines, float(np.exp(np.mean(np.log(found.ratios)))))
+    every[sums.number] = found.ratios
+    return found._replace(ratios=every, gain=gain)
+
+
+def _swept(sums: _Sums, uneven: Array, shapes: Sequence[tuple[float, float]]) -> Estimate:
+    """The likeliest shape, then lines and what is common to them in turn.
+
+    Args:
+        sums: The lines.
+        uneven: τ² of each over what is common, to begin with, shape (l,).
+        shapes: ℓ and ν that are tried.
+    """
+    which = np.unique(np.linspace(0, len(sums.number) - 1, _LINES).astype(np.int64))
+    gain, common, length, order = _likeliest(sums.only(which), uneven[which], shapes)
+    lines = _Lines.of(sums.over(length, order))
+    ratios = common * uneven
+    for _ in range(_PASSES):
+        ratios = lines.ratios(common, lines.variance(ratios))
+        common = float(np.exp(np.mean(np.log(ratios))))
+    return Estimate(length, order, ratios, gain)
 
 
 def _likeliest(
@@ -231,8 +237,9 @@ class _Lines(NamedTuple):
     @staticmethod
     def of(spread: _Spread) -> _Lines:
         one = np.ones(len(spread.size))
-        left, spreads = zip(*(spread.left(q * one) for q in _RATIOS.tolist()), strict=True)
-        return _Lines(np.array(left), np.array(spreads), spread.free)
+        tried = [spread.left(q * one) for q in _RATIOS.tolist()]
+        left, spreads = (np.array([each[part] for each in tried]) for part in (0, 1))
+        return _Lines(left, spreads, spread.free)
 
     def variance(self, ratios: Array) -> float:
         """σ² that is likeliest."""

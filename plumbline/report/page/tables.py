@@ -15,6 +15,7 @@ from plumbline.result.calibration import Calibration
 from plumbline.result.comparison import Candidate, Comparison
 from plumbline.result.pair import PairCalibration
 from plumbline.trust.check import Check
+from plumbline.trust.straightness import edges_bend_px
 from plumbline.trust.student import quantile
 from plumbline.trust.suspect import Suspect
 from plumbline.wording import count, number, px
@@ -55,10 +56,23 @@ def coefficients(calibration: Calibration) -> Iterator[Element]:
     yield tag(
         "p",
         f"σ̂ = {calibration.sigma_px:.3f} px, the scatter of one pick across its line, with "
-        f"{count(calibration.dof, 'degree')} of freedom. Standard errors hold for independent "
-        "picking errors on straight edges; those line by line (jackknife) also see errors that the "
-        "picks of one line share.",
+        f"{count(calibration.dof, 'degree')} of freedom. {_standing(calibration)}",
         class_="muted",
+    )
+
+
+def _standing(calibration: Calibration) -> str:
+    """What standard errors hold for."""
+    straight_px = edges_bend_px(calibration.lines)
+    if straight_px is None:
+        return (
+            "Standard errors hold for independent picking errors on straight edges; those line by "
+            "line (jackknife) also see errors that the picks of one line share."
+        )
+    return (
+        f"The edges are straight to {px(straight_px)} (rms), which standard errors hold: each "
+        "weighs as it bends. Those line by line (jackknife) leave out parallel neighbours together "
+        "and also see bends that these share."
     )
 
 
@@ -88,14 +102,19 @@ def straightness(calibration: Calibration) -> Element:
     if calibration.robust:
         head.append("left out")
     head += ["rms before, px", "rms after, px", "largest after, px"]
+    bent = calibration.bends is not None
+    head += ["bend, px"] if bent else []
     rows: list[list[Node]] = []
     for line, kept in zip(calibration.lines, calibration.kept, strict=True):
         row: list[Node] = [line.label, *([photo_name(photos[line.photo])] if several else [])]
         row.append(str(line.n_points))
         if calibration.robust:
             row.append(str(int(np.count_nonzero(~kept))))
-        numbers = (line.rms_before_px, line.rms_after_px, line.largest_after_px)
-        shown = ["left out", "", ""] if line.left_out else [f"{number:.2f}" for number in numbers]
+        numbers = [line.rms_before_px, line.rms_after_px, line.largest_after_px]
+        numbers += [line.bend_px or 0.0] if bent else []
+        shown = [f"{number:.2f}" for number in numbers]
+        if line.left_out:
+            shown = ["left out", *[""] * (len(numbers) - 1)]
         rows.append([*row, *shown])
     return table(head, rows, text=range(1 + several))
 
