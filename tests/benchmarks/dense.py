@@ -126,7 +126,7 @@ def _group(name: str, layout: Layout) -> Group:
 FACADE = Layout("24 lines of 32", 24, 32, 32)
 FEW = Layout("12 lines of 100", 12, 100, 100)
 MIXED = Layout("30 lines of 20 to 60", 30, 20, 60, slanted=True)
-JOINTS = Layout("16 joints, both sides", 32, 32, 48, paired=True)
+JOINTS = Layout("16 joints, both sides", 32, 32, 48, paired=True, gap=0.015)
 
 CASES = (
     Case(_group("S120 5.2 mm", FACADE), "waves", 0.0),

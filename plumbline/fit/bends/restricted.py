@@ -197,10 +197,14 @@ class _Spread:
     size: NDArray[np.int64]
 
     @property
+    def columns(self) -> int:
+        """Columns of C: offset, slope, lens and residual."""
+        return int(self.products.shape[1]) - NODES
+
+    @property
     def free(self) -> int:
         """Contrasts that neither lines nor lens take up."""
-        k = self.products.shape[1] - NODES - 3
-        return int(self.size.sum()) - 2 * len(self.size) - k
+        return int(self.size.sum()) - 2 * len(self.size) - (self.columns - 3)
 
     def likelihood(self, ratios: Array) -> float:
         """The logarithm of the restricted likelihood at its best σ, constants left out."""
@@ -210,10 +214,10 @@ class _Spread:
 
     def left(self, ratios: Array) -> tuple[Array, Array]:
         """CᵀΩ⁻¹C of lens and residual without the lines' own columns, and ln|Ω| + ln|those'|."""
-        scale = np.ones(self.products.shape[:2])
+        scale = np.ones((len(self.size), NODES + self.columns))
         scale[:, :NODES] = np.sqrt(ratios)[:, None]
         whole = self.products * (scale[:, :, None] * scale[:, None, :])
-        ridge = np.full(scale.shape[1], _RIDGE)
+        ridge = np.full(NODES + self.columns, _RIDGE)
         ridge[:NODES] = 1.0
         factor = np.linalg.cholesky(whole + np.diag(ridge))
         diagonal = np.diagonal(factor, axis1=1, axis2=2)[:, : NODES + 2]
