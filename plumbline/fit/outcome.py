@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 
 from plumbline.errors import PlumblineError, or_error
+from plumbline.fit.bends.generalised import bending
 from plumbline.fit.problem import Problem
 from plumbline.fit.program.blocks import unpack
 from plumbline.fit.program.task import Solution
@@ -118,6 +119,7 @@ def _assembled(
     )
     if problem.residual == "corrected":
         calibration = _with_sandwich(calibration)
+    calibration = bending(calibration)
     return calibration if n_kept == len(problem.kept) else _with_left_out(calibration)
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plumbline.errors import CollapsedFitError, DegenerateLinesError, PlumblineError, or_error
+from plumbline.fit.bends.judged import bent_fits
 from plumbline.fit.outcome import finish, finish_many
 from plumbline.fit.problem import Problem, Start, prepare
 from plumbline.fit.program.solve import solve
@@ -66,6 +67,20 @@ def finished(
     problems: Sequence[Problem], solutions: Sequence[Solution], *, robust: bool
 ) -> list[Calibration | PlumblineError]:
     """Calibrations of one model with their suspects; errors in their place."""
+    bent = bent_fits(problems, solutions, robust=robust)
+    rest = [number for number, each in enumerate(bent) if each is None]
+    others = iter(
+        _unbent([problems[n] for n in rest], [solutions[n] for n in rest], robust=robust)
+        if rest
+        else ()
+    )
+    return [next(others) if each is None else each for each in bent]
+
+
+def _unbent(
+    problems: Sequence[Problem], solutions: Sequence[Solution], *, robust: bool
+) -> list[Calibration | PlumblineError]:
+    """The same for edges that are not seen to bend: each pick is judged by itself."""
     found = robust_fits(problems, solutions)
     if not robust:
         plain = zip(finish_many(problems, solutions), found, strict=True)

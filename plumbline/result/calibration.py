@@ -17,6 +17,7 @@ from plumbline.geometry.lens import Lens
 from plumbline.observations import Observations
 from plumbline.result.notes import notes_on
 from plumbline.trust.assessment import Assessment, ResidualKind
+from plumbline.trust.bends import Bends
 from plumbline.trust.bootstrap import Bootstrap
 from plumbline.trust.check import Check
 from plumbline.trust.displacement import Displacement
@@ -52,7 +53,8 @@ class Calibration:
             began from nothing, free ones are 0.
         residual: Which residual was minimised.
         covariance: Of the free coefficients in the order of `free`; `d`, `e` in pixels.
-        sigma_px: Estimated standard deviation of one pick across its line, σ̂.
+        sigma_px: Estimated standard deviation of one pick across its line, σ̂; the bends of edges
+            are not in it where they are told apart.
         dof: Degrees of freedom: points − 2 · lines − free coefficients.
         residuals_px: Signed residuals, one array for each line; those of picks left out are their
             distances from the line through the others, or through all of a line left out as a
@@ -67,6 +69,8 @@ class Calibration:
         bootstrap: Repeated fits to resampled residuals, where they were asked for.
         rival_px: How far another lens, under which the picks agree as well, is from this one; None
             where there is none.
+        bends: How edges bend by themselves; None where that cannot be told from noise, and the
+            fit is an ordinary one.
         command: The command line that made it; empty in Python.
         version: The version of plumbline that made it.
     """
@@ -89,6 +93,7 @@ class Calibration:
     robust: bool = False
     bootstrap: Bootstrap | None = None
     rival_px: float | None = None
+    bends: Bends | None = None
     command: str = ""
     version: str = __version__
 
@@ -141,6 +146,7 @@ class Calibration:
             self.robust,
             self.bootstrap,
             self.rival_px,
+            self.bends,
         )
 
     @property
@@ -279,7 +285,10 @@ class Calibration:
     @cached_property
     def lines(self) -> tuple[LineStraightness, ...]:
         """Straightness of every line; one left out as a whole is measured nevertheless."""
-        return line_by_line(self.observations, self.before_px, self.residuals_px, self.kept)
+        noise_px = None if self.bends is None else self.sigma_px
+        return line_by_line(
+            self.observations, self.before_px, self.residuals_px, self.kept, noise_px
+        )
 
     @property
     def _straight(self) -> tuple[LineStraightness, ...]:

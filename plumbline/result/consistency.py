@@ -67,15 +67,16 @@ def _of_the_fit(calibration: Calibration) -> str:
         return "the degrees of freedom are not those of the picks"
     if not _near(np.concatenate(calibration.residuals_px), linear.residual_px):
         return "the lens does not leave the picks the residuals that are stored"
+    weighed = calibration.trust.weighed
     corrected_px = linear.image_px[kept] * linear.stretch[kept]
     holds = {
         "σ̂ is not that of the residuals": _near(
-            calibration.sigma_px, sigma_of(linear, calibration.dof)
+            calibration.sigma_px, sigma_of(weighed, calibration.dof)
         ),
         "the error in the corrected photo is not that of the residuals": _near(
             calibration.rms_corrected_px, np.sqrt(np.mean(corrected_px**2))
         ),
-        "the covariance is not that of the picks": _covariance_follows(calibration, linear),
+        "the covariance is not that of the picks": _covariance_follows(calibration, weighed),
     }
     return next((sentence for sentence, true in holds.items() if not true), "")
 

@@ -136,6 +136,7 @@ class PairCalibration(Calibration):
             self.robust,
             self.bootstrap,
             self.rival_px,
+            self.bends,
             self.setting,
         )
 

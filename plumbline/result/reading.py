@@ -26,6 +26,7 @@ from plumbline.result.records import DamageError, converted, parsed
 from plumbline.result.schema import (
     FORMAT_VERSION,
     LARGEST,
+    BendsRecord,
     BootstrapRecord,
     Head,
     LineRecord,
@@ -36,6 +37,7 @@ from plumbline.result.schema import (
     ResultsRecord,
     SuspectRecord,
 )
+from plumbline.trust.bends import ORDERS, Bends
 from plumbline.trust.bootstrap import Bootstrap
 from plumbline.trust.suspect import Suspect
 
@@ -127,6 +129,7 @@ def _calibration(record: ResultRecord) -> Calibration:
         robust=record.robust,
         bootstrap=_bootstrap(record.bootstrap, free),
         rival_px=record.rival_px,
+        bends=_bends(record.bends, sizes),
         command=record.command,
         version=record.plumbline,
     )
@@ -203,6 +206,15 @@ def _bootstrap(data: BootstrapRecord | None, free: tuple[str, ...]) -> Bootstrap
         raise DamageError("the bootstrap does not fit the free coefficients")
     intervals = np.array([data.intervals[name] for name in free], dtype=np.float64).reshape(-1, 2)
     return Bootstrap(data.fits, data.failed, _covariance(data.covariance, free), intervals)
+
+
+def _bends(data: BendsRecord | None, sizes: Sequence[int]) -> Bends | None:
+    if data is None:
+        return None
+    known = data.order in ORDERS and len(data.tau_px) == len(sizes) and all(data.tau_px)
+    if not known:
+        raise DamageError("the bends do not fit the lines")
+    return Bends(data.length, data.order, np.array(data.tau_px, dtype=np.float64))
 
 
 def _residuals(line: LineRecord) -> Array:

@@ -142,6 +142,15 @@ class BootstrapRecord(Struct, frozen=True, kw_only=True):
     largest_px: Number | None = None
 
 
+class BendsRecord(Struct, frozen=True, kw_only=True):
+    """How edges bend by themselves; the names are those of `Bends`."""
+
+    length: Annotated[float, Meta(gt=0, le=LARGEST)]
+    order: Annotated[float, Meta(gt=0, le=LARGEST)]
+    tau_px: tuple[Size, ...]
+    bend_px: Size | None = None
+
+
 class StraightnessRecord(Struct, frozen=True, kw_only=True):
     """How straight a line is; null where it was left out as a whole."""
 
@@ -151,6 +160,7 @@ class StraightnessRecord(Struct, frozen=True, kw_only=True):
     rms_before_px: Number | None
     rms_after_px: Number | None
     largest_after_px: Number | None
+    bend_px: Number | None = None
 
 
 class PairRecord(Struct, frozen=True, kw_only=True):
@@ -182,6 +192,7 @@ class ResultRecord(Head, frozen=True, kw_only=True):
     quoted: QuotedRecord | None = None
     jackknife: JackknifeRecord | None = None
     bootstrap: BootstrapRecord | None = None
+    bends: BendsRecord | None = None
     model_error: ModelError | None = None
     robust: bool = False
     checks: tuple[Check, ...] | None = None

@@ -19,6 +19,7 @@ from plumbline.result.pair import PairCalibration
 from plumbline.result.records import record_text
 from plumbline.result.schema import (
     FORMAT_VERSION,
+    BendsRecord,
     BootstrapRecord,
     DisplacementRecord,
     JackknifeRecord,
@@ -35,7 +36,7 @@ from plumbline.result.schema import (
     StraightnessRecord,
     SuspectRecord,
 )
-from plumbline.trust.straightness import LineStraightness
+from plumbline.trust.straightness import LineStraightness, edges_bend_px
 from plumbline.trust.suspect import Suspect
 
 
@@ -74,6 +75,7 @@ def record_of(calibration: Calibration) -> ResultRecord:
         quoted=_quoted(calibration),
         jackknife=_jackknife(calibration),
         bootstrap=_bootstrap(calibration),
+        bends=_bends(calibration),
         model_error=calibration.model_error,
         robust=calibration.robust,
         checks=calibration.checks,
@@ -142,6 +144,7 @@ def _line(line: LineStraightness) -> StraightnessRecord:
         rms_before_px=line.rms_before_px if known else None,
         rms_after_px=line.rms_after_px if known else None,
         largest_after_px=line.largest_after_px if known else None,
+        bend_px=line.bend_px if known else None,
     )
 
 
@@ -162,6 +165,18 @@ def _bootstrap(calibration: Calibration) -> BootstrapRecord | None:
         covariance=_matrix(again.covariance),
         intervals=dict(zip(calibration.free, _pairs(again.intervals), strict=True)),
         largest_px=None if wide is None else wide.worst_px,
+    )
+
+
+def _bends(calibration: Calibration) -> BendsRecord | None:
+    found = calibration.bends
+    if found is None:
+        return None
+    return BendsRecord(
+        length=found.length,
+        order=found.order,
+        tau_px=tuple(found.tau_px.tolist()),
+        bend_px=edges_bend_px(calibration.lines),
     )
 
 

@@ -13,8 +13,10 @@ from plumbline.frame import Array
 from plumbline.geometry.finding import Finding, finding_of
 from plumbline.geometry.lens import Lens
 from plumbline.observations import Observations
+from plumbline.trust.bends import Bends, weighed
 from plumbline.trust.besides import Besides
 from plumbline.trust.bootstrap import Bootstrap
+from plumbline.trust.clusters import clusters_of
 from plumbline.trust.displacement import (
     Displacement,
     displacement_errors,
@@ -56,6 +58,7 @@ class Assessment:
         robust: Whether suspicious picks were left out.
         bootstrap: Repeated fits to resampled residuals, where they were asked for.
         rival_px: How far another lens, under which the picks agree as well, is from this one.
+        bends: How edges bend by themselves, where that is told from noise.
     """
 
     observations: Observations
@@ -69,6 +72,7 @@ class Assessment:
     robust: bool
     bootstrap: Bootstrap | None
     rival_px: float | None
+    bends: Bends | None
 
     @property
     def standard_errors(self) -> dict[str, float]:
@@ -90,7 +94,7 @@ class Assessment:
 
     @cached_property
     def linearised(self) -> Linearised:
-        """Residuals and their derivatives, from which all that follows is computed."""
+        """Residuals and their derivatives, pick by pick."""
         return linearise(
             self.lens,
             in_frame(self.observations, self.lens.frame),
@@ -100,6 +104,13 @@ class Assessment:
             richer=self.lens.model.richer(self.free),
             nuisances=self.nuisances,
         )
+
+    @cached_property
+    def weighed(self) -> Linearised:
+        """The same as if picks erred independently, from which all that follows is computed."""
+        if self.bends is None:
+            return self.linearised
+        return weighed(self.linearised, self.bends, self.sigma_px)
 
     @cached_property
     def nuisances(self) -> Nuisances:
@@ -125,6 +136,8 @@ class Assessment:
     @cached_property
     def jackknife(self) -> Jackknife | None:
         """How much the result depends on each line; None where it needs one of them."""
+        if self.bends is not None:
+            return jackknife(self.weighed, self.together)
         lines_px = in_frame(self.observations, self.lens.frame)
         refit = Refit(self.lens, self.free, lines_px)
         return jackknife(self.linearised, self.edges, refit, self.sigma_px)
@@ -135,9 +148,19 @@ class Assessment:
         return edges_of(self.lens, self.observations, self.sigma_px)
 
     @cached_property
+    def together(self) -> NDArray[np.int64]:
+        """The lines that a jackknife leaves out together, as the number of the first, shape (l,).
+
+        Those along one edge; where edges bend, also parallel neighbours, which may share a bend.
+        """
+        if self.bends is None:
+            return self.edges
+        return clusters_of(self.lens, self.observations)
+
+    @cached_property
     def model_error(self) -> ModelError | None:
         """How far a richer model would move the correction."""
-        return model_error(self.lens, self.free, self.linearised, self.sigma_px)
+        return model_error(self.lens, self.free, self.weighed, self.sigma_px)
 
     @cached_property
     def displacement(self) -> Displacement | None:
@@ -161,8 +184,8 @@ class Assessment:
             return None
         k = len(self.free)
         return steadiness(
-            self.linearised,
-            self.edges,
+            self.weighed,
+            self.together,
             self._moved[..., :k],
             float(np.max(own)),
             float(np.max(wide)),
@@ -177,7 +200,7 @@ class Assessment:
     @cached_property
     def besides(self) -> Besides:
         """What the lens may do besides the fitted model, and what the picks say of that."""
-        return Besides(self.linearised, self.nuisances, self.dof, self._moved, self.steadiness)
+        return Besides(self.weighed, self.nuisances, self.dof, self._moved, self.steadiness)
 
     @cached_property
     def quoted(self) -> Quoted | None:
@@ -263,9 +286,8 @@ class Assessment:
 
     def _worst_px(self, moved: Array) -> float:
         """The largest error to quote of points that move so."""
-        return float(
-            np.max(np.hypot(self._picks_px(moved), self.besides.steps[""][0].missed_px(moved)))
-        )
+        missed_px = self.besides.steps[""][0].missed_px(moved)
+        return float(np.max(np.hypot(self._picks_px(moved), missed_px)))
 
     @cached_property
     def bootstrap_displacement(self) -> Displacement | None:

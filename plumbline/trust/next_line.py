@@ -102,7 +102,7 @@ def lowered_to(trust: Assessment, lines: Mapping[_Key, Array]) -> dict[_Key, flo
     moved = motions(trust.lens, trust.free, grid_px(trust.lens))
     if moved is None:
         return {}
-    linear = trust.linearised
+    linear = trust.weighed
     seen = (linear.jacobian * linear.in_photo[:, None])[linear.kept]
     normal = seen.T @ seen
     found: dict[_Key, float] = {}

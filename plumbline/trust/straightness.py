@@ -23,6 +23,8 @@ class LineStraightness(NamedTuple):
         rms_before_px: Root mean square distance of the observed points from a line.
         rms_after_px: The same of the fit's residuals.
         largest_after_px: The largest residual, without its sign.
+        bend_px: Root mean square of what the edge bends by itself; None where that is not told
+            from noise.
     """
 
     label: str
@@ -31,6 +33,7 @@ class LineStraightness(NamedTuple):
     rms_before_px: float
     rms_after_px: float
     largest_after_px: float
+    bend_px: float | None = None
 
     @property
     def left_out(self) -> bool:
@@ -64,6 +67,7 @@ def line_by_line(
     before_px: Sequence[Array],
     after_px: Sequence[Array],
     kept: Sequence[NDArray[np.bool_]],
+    noise_px: float | None = None,
 ) -> tuple[LineStraightness, ...]:
     """Straightness of every line; one left out as a whole is measured nevertheless.
 
@@ -72,6 +76,7 @@ def line_by_line(
         before_px: Their distances from straight lines before the fit, one array a line.
         after_px: Their residuals, likewise.
         kept: Which of them were fitted.
+        noise_px: σ̂ where bends are told from noise: what residuals hold beyond it is the bend.
     """
     sizes = np.array([len(values) for values in after_px])
     starts, fitted = np.cumsum(sizes) - sizes, np.concatenate(kept)
@@ -80,14 +85,24 @@ def line_by_line(
         np.where(counted, np.abs(np.concatenate(values)), 0.0) for values in (before_px, after_px)
     )
     number = np.add.reduceat(counted.astype(np.float64), starts)
-    columns = (
+    squares = np.add.reduceat(after**2, starts)
+    columns = [
         np.add.reduceat(fitted.astype(np.int64), starts),
         np.sqrt(np.add.reduceat(before**2, starts) / number),
-        np.sqrt(np.add.reduceat(after**2, starts) / number),
+        np.sqrt(squares / number),
         np.maximum.reduceat(after, starts),
-    )
+    ]
+    if noise_px is not None:
+        bend = squares / np.maximum(number - 2, 1) - noise_px**2
+        columns.append(np.sqrt(np.maximum(bend, 0.0)))
     every = zip(observations.lines, *(column.tolist() for column in columns), strict=True)
     return tuple(LineStraightness(line.label, line.photo, *each) for line, *each in every)
+
+
+def edges_bend_px(lines: Sequence[LineStraightness]) -> float | None:
+    """Root mean square of what edges bend by themselves; None where it is not told."""
+    known = [line.bend_px for line in lines if line.bend_px is not None and not line.left_out]
+    return float(np.sqrt(np.mean(np.square(known)))) if known else None
 
 
 def rms(arrays: Sequence[Array]) -> float:

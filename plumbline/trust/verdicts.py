@@ -61,7 +61,7 @@ def _agreement(trust: Assessment) -> Check | None:
 
 
 def _condition(trust: Assessment) -> Check:
-    normal = trust.linearised.normal
+    normal = trust.weighed.normal
     scale = np.sqrt(np.diag(normal))
     square = np.outer(scale, scale)
     balanced = np.divide(normal, square, out=np.zeros_like(normal), where=square > 0)
@@ -109,9 +109,12 @@ def _steady(trust: Assessment) -> Check | None:
             "common to the picks of one line cannot be seen",
             "pick more lines",
         )
+    left, made = "one line", "independent picking errors"
+    if trust.bends is not None:
+        left, made = "one line and its parallel neighbours", "noise and each line's own bend"
     told = (
-        f"leaving out one line at a time makes the correction uncertain by "
-        f"±{px(steady.left_out_px)}, {steady.ratio:.1f} times what independent picking errors "
+        f"leaving out {left} at a time makes the correction uncertain by "
+        f"±{px(steady.left_out_px)}, {steady.ratio:.1f} times what {made} "
         f"explain (±{px(steady.own_px)}); for lines placed like these, chance alone gives up to "
         f"{steady.limit:.1f} times"
     )

@@ -34,6 +34,7 @@ class Layout:
         reach: Part of the photo's width, from the left, that has lines.
         slanted: Whether lines run in all directions, rather than along the photo's sides.
         paired: Whether two lines at a time lie close together, as both edges of a frame do.
+        gap: How far these are apart, as a share of the photo's side.
     """
 
     name: str
@@ -43,6 +44,7 @@ class Layout:
     reach: float = 1.0
     slanted: bool = False
     paired: bool = False
+    gap: float = 0.03
 
 
 class TrueLine(NamedTuple):
@@ -176,7 +178,7 @@ def _ends(layout: Layout, index: int, rng: np.random.Generator) -> Array:
     of_its_kind = index // 2
     share = (of_its_kind + 0.5) / ((layout.n_lines + (0 if upright else 1)) // 2)
     if layout.paired:
-        share = (of_its_kind // 2 + 0.5) / (layout.n_lines // 4) + 0.03 * (of_its_kind % 2)
+        share = (of_its_kind // 2 + 0.5) / (layout.n_lines // 4) + layout.gap * (of_its_kind % 2)
     loose = 0.002 if layout.paired else 0.02
     at = 0.025 + 0.95 * share + rng.uniform(-loose, loose)
     most = 0.3 if layout.slanted else 0.002 if layout.paired else 0.03

@@ -14,8 +14,8 @@ from plumbline.trust.jackknife import jackknife
 from plumbline.trust.model_error import model_error
 from tests import truth
 from tests.benchmarks.bent_edges import leave_one_out
-from tests.benchmarks.groups import DENSE, lens
-from tests.benchmarks.simulated import Group
+from tests.benchmarks.groups import lens
+from tests.benchmarks.simulated import Group, Layout
 from tests.benchmarks.spoiling import bent
 from tests.fit.test_calibrate import MILD, picked
 from tests.many import all_calibrated
@@ -35,7 +35,7 @@ def test_the_jackknife_is_that_of_refits() -> None:
 
 
 def test_edges_that_bend_show_in_the_jackknife_alone() -> None:
-    group = Group("S120", lens("S120 5.2 mm"), DENSE, 0.3)
+    group = Group("S120", lens("S120 5.2 mm"), Layout("by hand", 10, 19, 19), 0.1)
     points = bent(group, group.picks_px(1))[0]
     made = calibrate(Observations.from_arrays(group.by_line(points), group.lens.size))
     wide, sure = made.jackknife_displacement, made.displacement

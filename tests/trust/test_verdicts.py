@@ -10,8 +10,8 @@ from plumbline import Observations, calibrate
 from plumbline.result.calibration import Calibration
 from plumbline.trust.check import Check
 from plumbline.trust.verdicts import after_fit
-from tests.benchmarks.groups import DENSE, lens
-from tests.benchmarks.simulated import Group
+from tests.benchmarks.groups import lens
+from tests.benchmarks.simulated import Group, Layout
 from tests.benchmarks.spoiling import bent
 from tests.fit.test_calibrate import picked
 from tests.trust.test_next_line import INNER, noisy, seen
@@ -64,7 +64,7 @@ def test_an_uncertain_correction_names_the_line_to_pick_next() -> None:
 
 
 def test_bent_edges_are_said_with_the_error_to_quote() -> None:
-    group = Group("S120", lens("S120 5.2 mm"), DENSE, 0.3)
+    group = Group("S120", lens("S120 5.2 mm"), Layout("by hand", 10, 19, 19), 0.1)
     points = bent(group, group.picks_px(1))[0]
     made = calibrate(Observations.from_arrays(group.by_line(points), group.lens.size))
     check = checked(made)["line by line"]

@@ -15,6 +15,7 @@ from plumbline.result.calibration import Calibration
 from plumbline.result.comparison import Candidate, Comparison
 from plumbline.result.pair import PairCalibration
 from plumbline.trust.check import Check
+from plumbline.trust.straightness import edges_bend_px
 from plumbline.trust.student import quantile
 from plumbline.trust.suspect import Suspect
 from plumbline.wording import count, number, px
@@ -58,10 +59,23 @@ def coefficients(calibration: Calibration) -> Iterator[Element]:
     yield tag(
         "p",
         f"σ̂ = {calibration.sigma_px:.3f} px, the scatter of one pick across its line, with "
-        f"{count(calibration.dof, 'degree')} of freedom. Standard errors hold for independent "
-        "picking errors on straight edges; those line by line (jackknife) also see errors that the "
-        "picks of one line share.",
+        f"{count(calibration.dof, 'degree')} of freedom. {_standing(calibration)}",
         class_="muted",
+    )
+
+
+def _standing(calibration: Calibration) -> str:
+    """What standard errors hold for."""
+    straight_px = edges_bend_px(calibration.lines)
+    if straight_px is None:
+        return (
+            "Standard errors hold for independent picking errors on straight edges; those line by "
+            "line (jackknife) also see errors that the picks of one line share."
+        )
+    return (
+        f"The edges are straight to {px(straight_px)} (rms), which standard errors hold: each "
+        "weighs as it bends. Those line by line (jackknife) leave out parallel neighbours together "
+        "and also see bends that these share."
     )
 
 
@@ -93,6 +107,8 @@ def straightness(calibration: Calibration) -> Element:
     head += ["rms before, px", "rms after, px", "largest after, px"]
     measured = calibration.lines
     worst = sorted(range(len(measured)), key=lambda n: -measured[n].largest_after_px)[:_MOST_ROWS]
+    bent = calibration.bends is not None
+    head += ["bend, px"] if bent else []
     rows: list[list[Node]] = []
     for index in sorted(worst):
         line, kept = measured[index], calibration.kept[index]
@@ -100,12 +116,12 @@ def straightness(calibration: Calibration) -> Element:
         row.append(str(line.n_points))
         if calibration.robust:
             row.append(str(int(np.count_nonzero(~kept))))
-        numbers = (line.rms_before_px, line.rms_after_px, line.largest_after_px)
-        rows.append(
-            [*row, "left out", "", ""]
-            if line.left_out
-            else [*row, *(f"{value:.2f}" for value in numbers)]
-        )
+        numbers = [line.rms_before_px, line.rms_after_px, line.largest_after_px]
+        numbers += [line.bend_px or 0.0] if bent else []
+        shown = [f"{value:.2f}" for value in numbers]
+        if line.left_out:
+            shown = ["left out", *[""] * (len(numbers) - 1)]
+        rows.append([*row, *shown])
     return tag(
         "div", _only_the_worst(len(measured), "line"), table(head, rows, text=range(1 + several))
     )

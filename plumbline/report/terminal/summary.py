@@ -19,6 +19,7 @@ from plumbline.report.terminal.checks import print_suspects
 from plumbline.result.calibration import Calibration
 from plumbline.result.pair import PairCalibration
 from plumbline.result.sentence import finding_sentence
+from plumbline.trust.straightness import edges_bend_px
 from plumbline.wording import count, number, px
 
 _MOST_LINES = 24
@@ -140,7 +141,8 @@ def lines_table(calibration: Calibration, *, everything: bool = False) -> Table:
     if several:
         table.add_column("photo")
     points = "matches" if _paired(calibration) else "points"
-    for heading in (points, "rms before", "rms after", "largest after"):
+    bent = ["bend"] if calibration.bends is not None else []
+    for heading in (points, "rms before", "rms after", "largest after", *bent):
         table.add_column(heading, justify="right")
     for line in shown:
         photo = calibration.observations.photos[line.photo]
@@ -150,7 +152,8 @@ def lines_table(calibration: Calibration, *, everything: bool = False) -> Table:
         if line.left_out:
             table.add_row(*names, str(line.n_points), "left out")
             continue
-        numbers = (line.rms_before_px, line.rms_after_px, line.largest_after_px)
+        numbers = [line.rms_before_px, line.rms_after_px, line.largest_after_px]
+        numbers += [line.bend_px] if line.bend_px is not None else []
         table.add_row(*names, str(line.n_points), *(f"{number:.2f} px" for number in numbers))
     return table
 
@@ -211,10 +214,16 @@ def _fitted(calibration: Calibration) -> str:
     return f"{points} in {lines} of the photo" if paired else f"{points} on {lines}"
 
 
+def _bend_clause(calibration: Calibration) -> str:
+    """How straight the edges are, where that is told from noise."""
+    straight_px = edges_bend_px(calibration.lines)
+    return "" if straight_px is None else f"; the edges are straight to {px(straight_px)} (rms)"
+
+
 def _fit_sentences(calibration: Calibration) -> str:
     out = [
         f"{_fitted(calibration)}; σ̂ {calibration.sigma_px:.3f} px with "
-        f"{count(calibration.dof, 'degree')} of freedom",
+        f"{count(calibration.dof, 'degree')} of freedom{_bend_clause(calibration)}",
         f"rms {calibration.rms_before_px:.4f} px before, {calibration.rms_after_px:.4f} px after "
         f"({calibration.rms_corrected_px:.4f} px in the corrected photo)",
         f"largest residual {calibration.largest_before_px:.2f} px before, "

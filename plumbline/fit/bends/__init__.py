@@ -1,0 +1,1 @@
+"""Dense samples of edges that bend by themselves: generalised least squares."""

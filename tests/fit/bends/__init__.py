@@ -1,0 +1,1 @@
+"""Tests of generalised least squares on bent edges."""
