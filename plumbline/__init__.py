@@ -21,6 +21,9 @@ if TYPE_CHECKING:
     from plumbline.boards.find import (
         find_board as find_board,
     )
+    from plumbline.boards.photographs import (
+        calibrate_board as calibrate_board,
+    )
     from plumbline.edges.find import (
         Found as Found,
         find_edges as find_edges,
@@ -107,6 +110,9 @@ if TYPE_CHECKING:
     from plumbline.pairs.calibrate import (
         calibrate_pair as calibrate_pair,
     )
+    from plumbline.pairs.files import (
+        calibrate_pair_files as calibrate_pair_files,
+    )
     from plumbline.reading.joining import (
         join as join,
     )
@@ -156,6 +162,7 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "plumbline.boards.find": ("find_board",),
+    "plumbline.boards.photographs": ("calibrate_board",),
     "plumbline.edges.find": (
         "Found",
         "find_edges",
@@ -210,6 +217,7 @@ _HOMES = {
     "plumbline.observations.board": ("Board",),
     "plumbline.observations.facts": ("LensFacts",),
     "plumbline.pairs.calibrate": ("calibrate_pair",),
+    "plumbline.pairs.files": ("calibrate_pair_files",),
     "plumbline.reading.joining": ("join",),
     "plumbline.reading.points": ("read",),
     "plumbline.report.writing": ("write_report",),

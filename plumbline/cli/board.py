@@ -71,6 +71,7 @@ def command(
     """Find boards, write their corners, fit them."""
     from rich.console import Console
 
+    from plumbline.boards.photographs import look, together, with_remarks
     from plumbline.cli.tools import board as tool
     from plumbline.cli.tools.deliver import deliver, refuse_unclear
     from plumbline.cli.tools.fit import Wishes, fit_lenses
@@ -86,11 +87,11 @@ def command(
         targets = tool.Targets.of(points, overlay, photos[0])
     narration = Console(stderr=True)
     with narration.status("Looking for boards…"):
-        found = tool.look(photos, inner)
+        found = look(photos, inner)
     for seen in found:
         if not (delivery["quiet"] and seen.boards):
             click.echo(printable(seen.sentence), err=True)
-    whole = tool.together(found)
+    whole = together(found)
     files = tool.contents(targets, found, whole, overwrite=delivery["overwrite"])
     if points_only:
         tool.write(files)
@@ -98,5 +99,5 @@ def command(
     wishes = Wishes(model, free, hold or (), None, "image", True, bootstrap)
     parts = split_by_lens(whole, labels_of(how))
     fitted = fit_lenses(parts, wishes, narration)
-    calibrations = [tool.with_remarks(each, found, targets.points) for each in fitted]
+    calibrations = [with_remarks(each, found, targets.points) for each in fitted]
     deliver(calibrations, str(targets.points), narration, also=files, **delivery)

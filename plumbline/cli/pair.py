@@ -57,8 +57,8 @@ def command(
     """Match, fit, write, print."""
     from rich.console import Console
 
-    from plumbline.cli.tools import pair as tool
     from plumbline.cli.tools.deliver import deliver, refuse_unclear
+    from plumbline.pairs.files import calibrate_pair_files, from_points
     from plumbline.reading.gathering import labels_of
 
     if points is not None and corrected is not None:
@@ -74,9 +74,9 @@ def command(
     narration = Console(stderr=True)
     with narration.status("Matching…"):
         if points is not None:
-            calibration = tool.from_points(points, original, size, labels, **fit)
+            calibration = from_points(points, original, size, labels, **fit)
         elif original is not None and corrected is not None:
-            calibration = tool.from_pictures(original, corrected, labels, **fit)
+            calibration = calibrate_pair_files(original, corrected, labels=labels, **fit)
         else:
             raise click.UsageError("name an original and a corrected picture, or --points FILE")
     deliver([calibration], original or points or "", narration, photo=original, **delivery)

@@ -1,9 +1,10 @@
-"""`plumbline pair` without its parsing: two pictures, or a table of matches, to a lens."""
+"""From two pictures, or a table of matches, to a lens."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 from plumbline.errors import OptionError, PlumblineError
@@ -11,46 +12,62 @@ from plumbline.files import is_same, read_bytes
 from plumbline.formats.base import Source
 from plumbline.formats.points.matches import read_matches
 from plumbline.frame import Frame
-from plumbline.imaging.upright import photo_of, read_upright
 from plumbline.observations import Origin
 from plumbline.observations.facts import LensFacts
 from plumbline.pairs.calibrate import calibrate_pair
 from plumbline.photos.exif import PhotoFacts, read_photo
 from plumbline.reading.gathering import labelled
 from plumbline.reading.photo import note_on_orientation, with_exif
+from plumbline.reading.upright import photo_of, read_upright
 from plumbline.result.pair import PairCalibration
 
 
-def from_pictures(
-    original: str, corrected: str, labels: Mapping[str, Any], **how: Any
+def calibrate_pair_files(
+    original: str | Path,
+    corrected: str | Path,
+    *,
+    labels: Mapping[str, Any] | None = None,
+    model: str = "ptlens",
+    free: Iterable[str] | None = None,
+    hold: Iterable[str] = (),
 ) -> PairCalibration:
-    """Calibrate from two pictures.
+    """Find the distortion that one of two picture files was corrected for.
+
+    The lens, the date and the checksums of both files go into the calibration.
 
     Args:
         original: The picture as the lens shows it.
-        corrected: The corrected one.
-        labels: What the user says of the lens, by the names of `LensFacts`; None where nothing.
-        how: As `calibrate_pair`.
+        corrected: The same scene from the same place without distortion.
+        labels: What is known of the lens besides EXIF, by the names of `LensFacts`.
+        model: Name of the distortion model, see `plumbline.MODELS`.
+        free: Coefficients to fit; all of the model's by default.
+        hold: Coefficients to hold at 0 nevertheless.
 
     Raises:
-        PlumblineError: as `read_upright` and `calibrate_pair`; the sentence names the files.
-    """
-    from pathlib import Path
+        ReadError: a file is missing, damaged or not a picture.
+        OptionError: both names are of one file, or as `calibrate_pair`.
+        PairError: as `calibrate_pair`; the sentence names the files.
 
+    Example:
+        >>> plumbline.calibrate_pair_files("raw.jpg", "camera.jpg")  # doctest: +SKIP
+    """
+    original, corrected = str(original), str(corrected)
     if is_same(Path(original), corrected):
         raise OptionError(
             f"{original}: the two pictures are one file", hint="name an original and its correction"
         )
     first, second = read_upright(original), read_upright(corrected)
     notes = note_on_orientation(first.facts, first.facts.size)
-    facts = _facts([first.facts, second.facts], labels, notes, first.facts.size)
+    facts = _facts([first.facts, second.facts], labels or {}, notes, first.facts.size)
     calibration = _named(
         f"{original} and {corrected}",
         original=first.pixels,
         corrected=second.pixels,
         facts=facts,
         name=first.facts.name,
-        **how,
+        model=model,
+        free=free,
+        hold=hold,
     )
     origins = (
         Origin(original, "photo", checksum=first.identity.sha256),
@@ -74,7 +91,7 @@ def from_points(
         path: The table.
         photo: The original, for its size and EXIF.
         size: The original's size, where the photo is not at hand.
-        labels: As for `from_pictures`.
+        labels: As for `calibrate_pair_files`.
         how: As `calibrate_pair`.
 
     Raises:
