@@ -37,6 +37,7 @@ from plumbline.fit.program.solve import solve
 from plumbline.models import get_model
 from plumbline.trust.covariance import covariance_of
 from plumbline.trust.displacement import displacement_errors, grid_px
+from plumbline.trust.nuisances import DECENTRING, RADIAL
 from plumbline.trust.straightness import edges_bend_px
 from plumbline.trust.student import widening
 from tests.benchmarks.field import coefficients, field_px
@@ -271,7 +272,9 @@ def quoted_px(made: plumbline.Calibration) -> Array:
     own, steady, wide = own_px(made), made.trust.steadiness, made.jackknife_displacement
     if steady is None or wide is None:
         return own * widening(made.dof)
-    return np.maximum(own * widening(made.dof), steady.pooled(own, wide.errors_px))
+    wrong = any(made.trust.besides.unlike(kind) for kind in (RADIAL, DECENTRING))
+    pooled = steady.pooled(own, wide.errors_px, by_lines=steady.alarmed and not wrong)
+    return np.maximum(own * widening(made.dof), pooled)
 
 
 HEAD = (
