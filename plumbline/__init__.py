@@ -119,6 +119,12 @@ if TYPE_CHECKING:
     from plumbline.reading.points import (
         read as read,
     )
+    from plumbline.rectified.picture import (
+        PictureRequest as PictureRequest,
+    )
+    from plumbline.rectified.writing import (
+        write_rectified as write_rectified,
+    )
     from plumbline.report.writing import (
         write_report as write_report,
     )
@@ -220,6 +226,8 @@ _HOMES = {
     "plumbline.pairs.files": ("calibrate_pair_files",),
     "plumbline.reading.joining": ("join",),
     "plumbline.reading.points": ("read",),
+    "plumbline.rectified.picture": ("PictureRequest",),
+    "plumbline.rectified.writing": ("write_rectified",),
     "plumbline.report.writing": ("write_report",),
     "plumbline.result.calibration": ("Calibration",),
     "plumbline.result.checked": ("Checked",),

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +11,6 @@ import click
 
 from plumbline.errors import OptionError, WriteError, printable
 from plumbline.files import (
-    read_bytes,
     refuse_to_clobber,
     refuse_unknown_suffix,
     write_atomically,
@@ -22,7 +20,6 @@ from plumbline.ground.measure import Measurement
 from plumbline.ground.rectification import Rectification
 from plumbline.ground.rectify import rectified
 from plumbline.ground.request import GroundRequest
-from plumbline.ground.stored import StoredRectification, rectification_json
 from plumbline.imaging.targets import beside, check_target
 from plumbline.lenses.request import LensRequest
 from plumbline.photos.exif import read_photo
@@ -38,6 +35,7 @@ from plumbline.rectified.picture import (
     picture_files,
     rectify_picture,
 )
+from plumbline.rectified.writing import description_of, stored_bytes
 from plumbline.writing.beside import command_line
 
 SUFFIX = "_rectified"
@@ -57,15 +55,13 @@ def run(photo: str, lens: LensRequest, how: Mapping[str, Any]) -> None:
     rectified_picture: RectifiedPicture | None = None
     if picture is not None:
         rectified_picture = rectify_picture(found, source, picture, wanted)
-        files, lost = picture_files(rectified_picture, picture, wanted, _description(found))
+        files, lost = picture_files(rectified_picture, picture, wanted, description_of(found))
         contents |= files | _beside_others(rectified_picture, picture, wanted, found, how)
         notes += [*rectified_picture.notes, *rectified_picture.picture.notes, *lost]
     if how["dxf"]:
         frame = None if rectified_picture is None else rectified_picture.grid.corners_m
         contents[Path(how["dxf"])] = dxf_bytes(found, {}, tape_measurements(found), frame)
-    digest = sha256(read_bytes(photo)).hexdigest()
-    stored = StoredRectification(found, source.name, digest, command_line())
-    contents[saved] = rectification_json(stored)
+    contents[saved] = stored_bytes(found, source, command_line())
     write_atomically(contents)
     _tell(found, contents, notes, how)
 
@@ -177,18 +173,13 @@ def _beside_others(
     if how["mosaic"]:
         blended = replace(rectified, picture=mosaic(rectified, how["grid_like"]))
         target = Path(how["mosaic"])
-        contents |= picture_files(blended, target, wanted, _description(found))[0]
+        contents |= picture_files(blended, target, wanted, description_of(found))[0]
     return contents
 
 
 def tape_measurements(found: Rectification) -> list[Measurement]:
     """The taped distances as adjusted."""
     return [found.measure("distance", [t.first, t.second]) for t in found.findings.tapes]
-
-
-def _description(found: Rectification) -> str:
-    camera = found.camera
-    return f"rectified from {camera.height_m:.2f} m over the plane"
 
 
 def _tell(
