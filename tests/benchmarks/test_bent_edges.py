@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 import plumbline
 from tests.benchmarks.bent_edges import leave_one_out, own
 from tests.benchmarks.groups import ALIKE
+from tests.benchmarks.simulated import Layout
 from tests.benchmarks.spoiling import bent
 from tests.benchmarks.trials import observations
 
-DENSE_GROUP = next(
-    group for group in ALIKE if group.layout.name == "dense" and group.noise_px == 0.1
+MANY = Layout("many picks", 10, 19, 19)
+"""More picks a line than anyone picks by hand, yet too few for a fit that knows bends."""
+DENSE_GROUP = replace(
+    next(group for group in ALIKE if group.layout.name == "dense" and group.noise_px == 0.1),
+    layout=MANY,
 )
 
 
@@ -27,7 +33,7 @@ def test_the_jackknife_s_errors_are_larger_where_edges_bend() -> None:
     straight = np.median([_ratio(points) for points in picks])
     crooked = np.median([_ratio(points) for points in bent(DENSE_GROUP, picks)])
     assert 0.5 < straight < 1.5
-    assert crooked > 2
+    assert crooked > 1.5 * straight
 
 
 def test_one_step_a_line_says_what_refits_without_each_line_say() -> None:
