@@ -36,6 +36,7 @@ _MOST_ROUNDS = 200
 """More than the squares across any board."""
 
 _SETTLED = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 30, 0.01)
+"""OpenCV's own stop for `cornerSubPix`: chosen, a hundredth of a pixel is below the noise."""
 
 
 def squares(links: Links) -> NDArray[np.bool_]:

@@ -38,6 +38,7 @@ _ROWS = 256
 """Corners compared with all others in one go."""
 
 NONE = -1
+"""Where a corner has no neighbour: no index is negative."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -31,7 +31,9 @@ _MOST = 20_000
 _FIRST = np.array([[-0.5, 0.0, 0.5]], dtype=np.float32)
 _SECOND = np.array([[1.0, -2.0, 1.0]], dtype=np.float32)
 _MIXED = np.array([[0.25, 0, -0.25], [0, 0, 0], [-0.25, 0, 0.25]], dtype=np.float32)
+"""Central differences of a smoothed picture: its first, second and mixed derivatives."""
 _AROUND = np.ones((5, 5), dtype=np.uint8)
+"""Where a saddle is the deepest one: chosen, corners are farther apart."""
 
 
 def saddles(grey: Grey) -> Array:

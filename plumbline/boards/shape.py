@@ -8,6 +8,7 @@ from plumbline.boards.lattice import Lattice
 from plumbline.observations.board import Board
 
 _QUARTER = np.array([[0, -1], [1, 0]], dtype=np.int64)
+"""A quarter turn of columns and rows."""
 
 
 def upright(lattice: Lattice) -> Board:

@@ -45,7 +45,10 @@ _BENT_PX = 0.15
 """Root mean square residual below which no line is rejected: what straight edges of rendered
 photographs with noise and JPEG reach."""
 
+_COMMON = 0.3
+"""Share of an edge beside another one from which both can be twins: chosen."""
 _LEAST = 3
+"""Points of a curve: two have no bend."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,7 +173,7 @@ def _twins(points: Array, other: Array) -> bool:
     order = np.argsort(other[:, axis])
     along, across = other[order, axis], other[order, 1 - axis]
     common = (points[:, axis] >= along[0]) & (points[:, axis] <= along[-1])
-    if np.mean(common) < 0.3:
+    if np.mean(common) < _COMMON:
         return False
     gap = np.abs(np.interp(points[common, axis], along, across) - points[common, 1 - axis])
     return bool(np.median(gap) < _TWIN_PX)

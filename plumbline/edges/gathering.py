@@ -19,11 +19,13 @@ _TILT = 0.06
 pixel is tilted by 0.07."""
 
 _ROUNDS = 8
+"""Chosen: twice what a line from the middle to the border takes."""
 _REACH = 1.5
 """How far a line looks for more pieces beyond each end, in its present lengths: from 100 px over
 2,000 in four rounds."""
 
 _SEEDS = 25
+"""Lines begun with one try of the lens: chosen, the longest pieces vote first."""
 _VOTERS = 500
 """Pieces that vote, the longest, and lines that are begun with the longest of them: with four
 times as many the lens was no better and the time four times as long."""

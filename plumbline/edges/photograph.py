@@ -21,6 +21,7 @@ from plumbline.photos.turning import turned_upright
 PhotoSource = str | Path | NDArray[Any]
 
 _SHAPES = (2, 3)
+"""Dimensions of a grey picture and of one with colours."""
 
 
 @dataclass(frozen=True, eq=False)

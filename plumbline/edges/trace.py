@@ -44,7 +44,9 @@ _CLIPPED = 0.5
 """Share of clipped samples from which an edge is refused (chosen, because the median then is)."""
 
 _RIVAL_NODES = 33
+"""Places at which a rival's curve is given: chosen, it is drawn."""
 _RIVALS = 4
+"""Chosen: more nobody steps through."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -25,6 +25,7 @@ STEPS = ("x", "y", "height", "turn x", "turn y", "turn z", "focal length", "cent
 N_STEPS = len(STEPS)
 HEIGHT, FOCAL, CENTRE = 2, 6, slice(7, 9)
 TURN = slice(3, 6)
+"""Where the turn stands among the steps of a camera."""
 
 _NEAREST = 1e-6
 """Least depth over height of what counts as before the camera: chosen, a millionth."""

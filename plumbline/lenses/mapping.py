@@ -19,6 +19,7 @@ _LOOKED_AT = 33  # points along a side; chosen, distortion is smooth
 Turn = tuple[tuple[int, int], tuple[int, int]]
 
 UPRIGHT: Turn = ((1, 0), (0, 1))
+"""The photo as it is stored."""
 TURNS: dict[int, Turn] = {
     1: UPRIGHT,
     2: ((-1, 0), (0, 1)),

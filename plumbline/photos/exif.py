@@ -22,6 +22,7 @@ _HEIGHT = 0xA003
 _SOFTWARE, _PROCESSING, _HISTORY = 0x0131, 0x000B, 0x9213
 _DIGITAL_ZOOM = 0xA404
 _MAKER_NOTES, _LENS_SPECIFICATION = 0x927C, 0xA432
+"""Tags of EXIF (CIPA DC-008) and TIFF 6.0."""
 _PROFILE = re.compile(rb"LensProfileEnable\s*(?:=\s*[\"']|>)\s*1\b")
 _LENS_INFO = re.compile(rb"LensInfo\s*(?:=\s*[\"']|>)\s*(\d{1,9})/(\d{1,9}) (\d{1,9})/(\d{1,9})")
 _XMP_LENS = re.compile(

@@ -29,6 +29,7 @@ _KINDS = {
     ".svg": "image/svg+xml",
 }
 _MOST_NAME = 40
+"""Characters of a page's name: its own have 16."""
 
 _T = TypeVar("_T", bound=msgspec.Struct)
 

@@ -20,6 +20,7 @@ FORMAT = "plumbline picks"
 """Stands in the head of every file of picks, and tells it from other JSON."""
 
 VERSION = 1
+"""Raised when an older plumbline would misread the file."""
 
 MOST_LINES = 2000
 """Chosen, because a photo of 100 megapixels with an edge every 10 pixels has fewer."""

@@ -16,7 +16,8 @@ from plumbline.photos.exif import PhotoFacts, read_photo
 from plumbline.photos.identity import Identity, identity_of
 
 ONE_FOCAL_LENGTH = 0.005
-"""Focal lengths in millimetres that differ by less, relatively, are one."""
+"""Focal lengths in millimetres that differ by less, relatively, are one: chosen, EXIF rounds them
+to a tenth of a millimetre."""
 
 _COPIED = 1e-4
 """Crop factors that differ by less are one number, copied; chosen, as they have 4 to 6 digits."""

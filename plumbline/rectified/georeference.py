@@ -22,7 +22,9 @@ _SCALE, _TIE_POINT, _TRANSFORMATION, _KEYS = 33550, 33922, 34264, 34735
 _MODEL_TYPE, _RASTER_TYPE, _PROJECTED = 1024, 1025, 3072
 _IS_PROJECTED, _IS_AREA = 1, 1
 _CODES = range(1024, 32767)
+"""The EPSG codes that a GeoTIFF key can hold."""
 _DEGREES = range(4000, 5000)
+"""EPSG codes of systems in degrees."""
 
 
 def epsg_code(text: str) -> int:

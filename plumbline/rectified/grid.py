@@ -13,6 +13,7 @@ from plumbline.ground.camera import Camera
 from plumbline.ground.world_file import World
 
 RESOLUTION_M = 0.01
+"""Chosen: a centimetre, as ground points are surveyed."""
 COARSEST_M = 0.25
 """Largest side of a photo's pixel on the ground that is still shown; chosen: some 30 m ahead of a
 camera at eye height."""
@@ -24,10 +25,12 @@ _SHARE_OF_MEMORY = 0.5
 """Share of the free memory that a picture may need: half, since it is held twice when encoded."""
 
 _FALLBACK_BYTES = 4 * 2**30
+"""Where the free memory is not known; chosen, small machines have 8 GiB."""
 _MOST_SIDE = 60_000
 """Longest side of a picture: JPEG ends at 65,535."""
 
 _LOOKED_AT = 129
+"""Points along a side of the photo's outline; chosen, distortion is smooth."""
 
 Extent = tuple[float, float, float, float]
 """X and Y of the lower left and of the upper right corner, metres."""

@@ -39,6 +39,8 @@ from plumbline.wording import count
 from plumbline.writing.head import lens_name, lensfun_head
 
 ZOOM_SUFFIXES = (".json", ".xml", ".txt")
+_APART_PX, _ALIKE_PX = 0.1, 0.01
+"""Differences below which no note is made, of centres and of curves; chosen, nobody sees them."""
 _BETWEEN = 8
 """Focal lengths looked at between two that were fitted; chosen, the curve is smooth."""
 
@@ -103,7 +105,7 @@ def zoom_bytes(lens: ZoomLens, target: Path) -> tuple[bytes, list[str]]:
     notes = _notes(lens, entries)
     if suffix == ".xml":
         centre, apart_px = _centre(lens)
-        if apart_px > 0.1:
+        if apart_px > _APART_PX:
             notes.append(
                 f"LensFun holds one distortion centre for all focal lengths: the mean was written, "
                 f"up to {apart_px:.1f} px from those of single focal lengths"
@@ -146,7 +148,7 @@ def _notes(lens: ZoomLens, entries: Sequence[Distortion]) -> list[str]:
         distance_px = float(np.max(np.hypot(*off.T)))
         if distance_px > worst_px:
             worst_px, at_mm = distance_px, float(focal_mm)
-    if worst_px < 0.01:
+    if worst_px < _ALIKE_PX:
         return []
     return [
         "LensFun interpolates between these focal lengths in its own way, up to "

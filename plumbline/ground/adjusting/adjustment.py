@@ -28,7 +28,9 @@ from plumbline.ground.camera import FOCAL, HEIGHT, TURN
 from plumbline.ground.optics import Optics
 
 _MOST_STEPS = 200
+"""Chosen: adjustments take five to fifty."""
 _FIRST_DAMPING, _LEAST_DAMPING, _MOST_DAMPING = 1e-3, 1e-12, 1e12
+"""As Levenberg–Marquardt is usually begun, and given up; chosen."""
 _SETTLED = 1e-5
 """Largest step over its standard error at which the adjustment ends: chosen, far below any use."""
 

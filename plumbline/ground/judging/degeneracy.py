@@ -18,6 +18,7 @@ _HARDLY = 0.5
 chosen, because no linear error bar means anything there."""
 
 _LEAST_POINTS = 4
+"""A homography has eight unknowns, two a point."""
 
 
 @dataclass(frozen=True)

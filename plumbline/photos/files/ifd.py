@@ -17,6 +17,7 @@ MAKER_NOTES = 0x927C
 DESCRIPTION, SOFTWARE, NEXT_IMAGE_OFFSET, NEXT_IMAGE_BYTES = 0x010E, 0x0131, 0x0201, 0x0202
 SUB_DIRECTORIES = (34665, 34853, 40965)
 ASCII, SHORT, LONG, RATIONAL, UNDEFINED, BYTE = 2, 3, 4, 5, 7, 1
+"""Tags and types of TIFF 6.0 and EXIF (CIPA DC-008)."""
 
 SIZES = {1: 1, 2: 1, 3: 2, 4: 4, 5: 8, 6: 1, 7: 1, 8: 2, 9: 4, 10: 8, 11: 4, 12: 8, 13: 4}
 """Bytes of one value, by type; entries of other types are broken."""

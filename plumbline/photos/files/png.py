@@ -19,6 +19,7 @@ _KEPT = (
 )
 _TEXTS = (b"tEXt", b"zTXt", b"iTXt")
 _INCH_M = 0.0254
+"""PNG counts pixels a metre, EXIF pixels an inch."""
 _XMP_HEAD = b"XML:com.adobe.xmp\0\0\0\0\0"
 _IPTC_PROFILE, _COMMENT = b"Raw profile type iptc", b"Comment"
 _MOST_OF_TEXT = 2**24  # bytes; chosen to stop bombs, IPTC has a few thousand

@@ -15,8 +15,11 @@ from plumbline.report.figures import style
 from plumbline.report.figures.style import BLUE, FULL, MUTED, ORANGE
 
 _NODES = 121
+"""A side of the map; chosen, finer ones look the same."""
 _ROUND = (1, 2, 5)
+"""Numbers that a scale is rounded to."""
 _LEVELS_M = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0)
+"""Contours; chosen, each about twice the one before."""
 _SHOWN = 0.12
 """Share of the plan's width that the longest ellipse gets; chosen."""
 

@@ -16,7 +16,9 @@ from plumbline.ground.rectification import Rectification
 from plumbline.wording import number
 
 _MOST_POINTS = 30
+"""Rows; chosen, they fit a screen."""
 _MOST_ADVICE = 3
+"""Chosen: the next steps are enough to do."""
 LEAST_SHOWN_M = 0.0005
 """Least part of the budget that is shown; chosen, half a millimetre, the last digit printed."""
 
