@@ -23,7 +23,7 @@ from plumbline.formats.base import ReadOptions, Source
 if TYPE_CHECKING:
     from plumbline.observations import Observations
 
-Kind = Literal["points", "results", "lens"]
+Kind = Literal["points", "results", "lens", "zoom"]
 """What a file holds: picked points, the results of fits, or one lens in a program's own words."""
 
 
@@ -91,8 +91,8 @@ class Format:
         return cast(_PointFormat, import_module(f"plumbline.formats.{self.module}"))
 
 
-def _lens(name: str, title: str, suffix: str) -> Format:
-    return Format(name, title, (suffix,), reads=False, writes=("lens",))
+def _lens(name: str, title: str, suffix: str, *more: Kind) -> Format:
+    return Format(name, title, (suffix,), reads=False, writes=("lens", *more))
 
 
 FORMATS: dict[str, Format] = {
@@ -103,7 +103,7 @@ FORMATS: dict[str, Format] = {
             "plumbline's own JSON: points, or the results of fits",
             (".json",),
             "points.own_json",
-            writes=("points", "results"),
+            writes=("points", "results", "zoom"),
         ),
         Format("ptgui", "PTGui (text, JSON) or PTAssembler project", (".pts",), "panotools.ptgui"),
         Format(
@@ -149,8 +149,10 @@ FORMATS: dict[str, Format] = {
             "points.csv",
             writes=("points",),
         ),
-        Format("lensfun", "LensFun profile", (".xml",), reads=False, writes=("results", "lens")),
-        _lens("lenses-txt", "LensFun's list of measurements", ".txt"),
+        Format(
+            "lensfun", "LensFun profile", (".xml",), reads=False, writes=("results", "lens", "zoom")
+        ),
+        _lens("lenses-txt", "LensFun's list of measurements", ".txt", "zoom"),
         _lens("hugin-ini", "Hugin lens file", ".ini"),
         _lens("ptlens", "PTLens profile", ".txt"),
         _lens("imagemagick", "ImageMagick script", ".sh"),

@@ -22,6 +22,7 @@ from plumbline.files import (
     write_atomically,
 )
 from plumbline.formats.base import Source
+from plumbline.formats.known import suffixes
 from plumbline.formats.lens_files.lenses_txt import lenses_txt
 from plumbline.formats.lens_files.lensfun import MODELS, Distortion, LensfunLens, lensfun_xml
 from plumbline.frame import Frame
@@ -38,7 +39,7 @@ from plumbline.result.given import refuse_unsettled
 from plumbline.wording import count
 from plumbline.writing.head import lens_name, lensfun_head
 
-ZOOM_SUFFIXES = (".json", ".xml", ".txt")
+ZOOM_SUFFIXES = tuple(suffixes("zoom"))
 _APART_PX, _ALIKE_PX = 0.1, 0.01
 """Differences below which no note is made, of centres and of curves; chosen, nobody sees them."""
 _BETWEEN = 8
@@ -91,30 +92,46 @@ def zoom_bytes(lens: ZoomLens, target: Path) -> tuple[bytes, list[str]]:
         OptionError: the format needs what is not known, or cannot hold the model.
     """
     refuse_unknown_suffix(target, ZOOM_SUFFIXES, "zoom lenses")
-    suffix = target.suffix.lower()
-    if suffix == ".json":
-        return zoom_text(lens).encode(), []
-    model = lens.model.label
-    known = MODELS if suffix == ".xml" else ("ptlens", "poly3")
-    if model not in known:
-        raise UnsupportedModelError(
-            f"{target.name}: LensFun does not know the model {model} there",
-            hint=f"fit with --model {' or '.join(known)}, or write a .json",
-        )
+    return _WRITERS[suffixes("zoom")[target.suffix.lower()].name](lens, target)
+
+
+def _json(lens: ZoomLens, _target: Path) -> tuple[bytes, list[str]]:
+    return zoom_text(lens).encode(), []
+
+
+def _lensfun(lens: ZoomLens, target: Path) -> tuple[bytes, list[str]]:
+    _refuse_unknown_model(lens, target, MODELS)
     entries = _entries(lens)
     notes = _notes(lens, entries)
-    if suffix == ".xml":
-        centre, apart_px = _centre(lens)
-        if apart_px > _APART_PX:
-            notes.append(
-                f"LensFun holds one distortion centre for all focal lengths: the mean was written, "
-                f"up to {apart_px:.1f} px from those of single focal lengths"
-            )
-        return sealed(lensfun_xml(_head(lens, centre), entries)), notes
+    centre, apart_px = _centre(lens)
+    if apart_px > _APART_PX:
+        notes.append(
+            f"LensFun holds one distortion centre for all focal lengths: the mean was written, "
+            f"up to {apart_px:.1f} px from those of single focal lengths"
+        )
+    return sealed(lensfun_xml(_head(lens, centre), entries)), notes
+
+
+def _lenses_txt(lens: ZoomLens, target: Path) -> tuple[bytes, list[str]]:
+    _refuse_unknown_model(lens, target, ("ptlens", "poly3"))
+    entries = _entries(lens)
+    notes = _notes(lens, entries)
     if any(np.any(node.values[-2:]) for node in lens.nodes):
         notes.append("lenses.txt holds no distortion centre: it was left out")
     rows = [(entry.focal_mm, list(entry.coefficients.values())) for entry in entries]
     return sealed(lenses_txt(_head(lens), rows, f"{MARK} {__version__}")), notes
+
+
+_WRITERS = {"json": _json, "lensfun": _lensfun, "lenses-txt": _lenses_txt}
+"""Who writes a zoom lens, by the name of the format."""
+
+
+def _refuse_unknown_model(lens: ZoomLens, target: Path, known: Sequence[str]) -> None:
+    if lens.model.label not in known:
+        raise UnsupportedModelError(
+            f"{target.name}: LensFun does not know the model {lens.model.label} there",
+            hint=f"fit with --model {' or '.join(known)}, or write a .json",
+        )
 
 
 def _head(lens: ZoomLens, centre: tuple[float, float] = (0.0, 0.0)) -> LensfunLens:
