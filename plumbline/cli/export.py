@@ -8,24 +8,16 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from plumbline.cli import options
+from plumbline.formats.known import written
 
 if TYPE_CHECKING:
     from plumbline.writing.files import ExportedFile
 
-_FOCAL = {"focal", "focal_px", "crop_factor"}
-_LABELS = {*_FOCAL, "maker", "lens_name", "mount", "aspect_ratio"}
-_USED = {
-    "lensfun": _LABELS,
-    "lenses-txt": _LABELS,
-    "pto": _FOCAL,
-    "hugin-ini": _FOCAL,
-    "ptlens": {*_FOCAL, "lens_name"},
-    "imagemagick": set[str](),
-    "opencv": _FOCAL,
-    "stmap": set[str](),
-    "json": set[str](),
-}
-"""What can be written, and which facts about the lens go into it."""
+_FACTS = {"lens_name": "model", "focal": "focal_mm"}
+"""What options of `options.labelling` are called in `LensFacts`, where it is something else."""
+_LABELS = {"maker", "lens_name", "mount", "focal", "focal_px", "crop_factor", "aspect_ratio"}
+_TARGETS = (*written("lens"), "stmap", "json")
+"""What can be written: lenses in other programs' words, a sampling map, and the result again."""
 _USELESS = {"stmap": {"force"}, "json": {"force", "image"}}
 
 _HELP = """Write a calibrated lens for another program.
@@ -45,7 +37,7 @@ Examples:
 
 @click.command("export", help=_HELP)
 @click.argument("result")
-@click.option("--to", "target", type=click.Choice([*_USED]), required=True, help="What to write.")
+@click.option("--to", "target", type=click.Choice(_TARGETS), required=True, help="What to write.")
 @click.option(
     "--image",
     type=click.IntRange(min=0),
@@ -70,10 +62,12 @@ def command(
     from plumbline.files import refuse_to_clobber, write_atomically
     from plumbline.writing.files import export_file
 
-    useless = (_LABELS - _USED[target]) | _USELESS.get(target, set())
+    known = written("lens").get(target)
+    used = set() if known is None else set(known.facts)
+    useless = {name for name in _LABELS if _FACTS.get(name, name) not in used}
+    useless |= _USELESS.get(target, set())
     options.refuse_useless(click.get_current_context(), f"--to {target}", useless)
-    names = {"lens_name": "model", "focal": "focal_mm"}
-    facts = {names.get(name, name): value for name, value in labels.items() if value is not None}
+    facts = {_FACTS.get(name, name): value for name, value in labels.items() if value is not None}
     place = Path(output) if output else None
     if target == "stmap":
         exported = _stmap(result, place, image)

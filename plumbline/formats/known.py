@@ -24,7 +24,12 @@ if TYPE_CHECKING:
     from plumbline.observations import Observations
 
 Kind = Literal["points", "results", "lens", "zoom"]
-"""What a file holds: picked points, the results of fits, or one lens in a program's own words."""
+"""What a file holds: picked points, the results of fits, one lens in a program's own words, or the
+lens of a zoom."""
+
+_FOCAL = ("focal_mm", "focal_px", "crop_factor")
+_LABELS = (*_FOCAL, "maker", "model", "mount", "aspect_ratio")
+"""Facts of a lens, by the names of `LensFacts`."""
 
 
 class _PointFormat(Protocol):
@@ -48,6 +53,8 @@ class Format:
         reads: Whether picked points are read from it.
         packed: Whether its files may be archives, which the module opens itself.
         writes: What is written to it.
+        facts: What the file of a lens says of it besides the distortion, by the names of
+            `LensFacts`.
     """
 
     name: str
@@ -57,6 +64,7 @@ class Format:
     reads: bool = True
     packed: bool = False
     writes: tuple[Kind, ...] = ()
+    facts: tuple[str, ...] = ()
 
     def recognises(self, source: Source) -> bool:
         """Whether a file looks like this format."""
@@ -91,8 +99,10 @@ class Format:
         return cast(_PointFormat, import_module(f"plumbline.formats.{self.module}"))
 
 
-def _lens(name: str, title: str, suffix: str, *more: Kind) -> Format:
-    return Format(name, title, (suffix,), reads=False, writes=("lens", *more))
+def _lens(
+    name: str, title: str, suffix: str, *more: Kind, facts: tuple[str, ...] = _FOCAL
+) -> Format:
+    return Format(name, title, (suffix,), reads=False, writes=("lens", *more), facts=facts)
 
 
 FORMATS: dict[str, Format] = {
@@ -112,6 +122,7 @@ FORMATS: dict[str, Format] = {
             (".pto",),
             "panotools.pto",
             writes=("points", "results", "lens"),
+            facts=_FOCAL,
         ),
         Format("cvat", "CVAT for images 1.1", (".xml",), "points.cvat"),
         Format("cell-counter", "Fiji's Cell Counter", (".xml",), "points.cell_counter"),
@@ -149,13 +160,11 @@ FORMATS: dict[str, Format] = {
             "points.csv",
             writes=("points",),
         ),
-        Format(
-            "lensfun", "LensFun profile", (".xml",), reads=False, writes=("results", "lens", "zoom")
-        ),
-        _lens("lenses-txt", "LensFun's list of measurements", ".txt", "zoom"),
+        _lens("lensfun", "LensFun profile", ".xml", "results", "zoom", facts=_LABELS),
+        _lens("lenses-txt", "LensFun's list of measurements", ".txt", "zoom", facts=_LABELS),
         _lens("hugin-ini", "Hugin lens file", ".ini"),
-        _lens("ptlens", "PTLens profile", ".txt"),
-        _lens("imagemagick", "ImageMagick script", ".sh"),
+        _lens("ptlens", "PTLens profile", ".txt", facts=(*_FOCAL, "model")),
+        _lens("imagemagick", "ImageMagick script", ".sh", facts=()),
         _lens("opencv", "OpenCV camera file", ".yml"),
     )
 }
