@@ -7,11 +7,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from plumbline.edges.colours import LateralColour, lateral_colour
 from plumbline.edges.light import Light, linear_light
-from plumbline.edges.photograph import PhotoSource, load, photos_of
+from plumbline.edges.photograph import Photograph, PhotoSource, load, photos_of
 from plumbline.edges.rough_lens import RoughLens, one_coefficient, polynomial
 from plumbline.edges.trace import SCATTER_PX, Traced, condensed, trace
-from plumbline.errors import OptionError
+from plumbline.errors import DegenerateLinesError, OptionError
 from plumbline.frame import Array
 from plumbline.geometry.lens import Lens
 from plumbline.observations import Line, Observations
@@ -49,12 +50,15 @@ class Snapped:
         lines: What was traced for each line, every sample of it; or why it was refused.
         lens: The lens that predicted where edges run; a rough one, not a calibration.
         notes: What the photos tell of themselves, in plain sentences.
+        colour: Lateral chromatic aberration along the edges of a single photo; None where it
+            cannot be measured.
     """
 
     observations: Observations
     lines: tuple[Traced, ...]
     lens: Lens
     notes: tuple[str, ...] = ()
+    colour: LateralColour | None = None
 
     @property
     def n_snapped(self) -> int:
@@ -108,7 +112,23 @@ def snap(
     lights = [None if each is None else linear_light(each.pixels) for each in photographs]
     traced, guide = _trace_all(observations, lights, lens)
     notes = tuple(note for each in photographs if each is not None for note in each.notes)
-    return Snapped(_with_samples(observations, traced, notes, samples), traced, guide, notes)
+    colour = _colour(photographs, traced)
+    notes += () if colour is None else (colour.note,)
+    observed = _with_samples(observations, traced, notes, samples)
+    return Snapped(observed, traced, guide, notes, colour)
+
+
+def _colour(
+    photographs: Sequence[Photograph | None], traced: Sequence[Traced]
+) -> LateralColour | None:
+    """The colours of a single photo, where enough edges show them."""
+    single = photographs[0] if len(photographs) == 1 else None
+    if single is None:
+        return None
+    try:
+        return lateral_colour(single.pixels, traced, halved_colours=single.halved_colours)
+    except DegenerateLinesError:
+        return None
 
 
 def _trace_all(

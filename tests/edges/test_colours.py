@@ -28,6 +28,8 @@ def measured(quality: int) -> LateralColour:
     edges = long_edges(camera.view, wall)
     rough = picked(edges, 1.0, camera.view, 1)
     made = plumbline.snap(plumbline.Observations.from_arrays(rough, SIZE), picture)
+    assert made.colour is not None
+    assert made.colour.note in made.notes
     return lateral_colour(picture, made.lines, halved_colours=quality > 0)
 
 
