@@ -250,7 +250,7 @@ def distances_px(lens: TrueLens, lines: list[Array], *, in_photo: bool) -> list[
         lens: The lens that undistorts.
         lines: Observed points, pixels.
         in_photo: Divide each by its numerically differentiated derivative by the observed
-            point, which gives the distance in the photograph to first order.
+            point, which gives the distance in the photograph's own pixels to first order.
     """
     square, step = np.array([lens.aspect, 1.0]), 0.05
     kernel = np.array([1.0, -8.0, 8.0, -1.0]) / 12 / step  # fourth order
@@ -263,7 +263,7 @@ def distances_px(lens: TrueLens, lines: list[Array], *, in_photo: bool) -> list[
         distances = (ideal - middle) @ normal
         if in_photo:
             slopes: list[Array] = []
-            for axis in ([1.0 / lens.aspect, 0.0], [0.0, 1.0]):
+            for axis in ([1.0, 0.0], [0.0, 1.0]):
                 moved = [
                     (lens.undistort(points + share * step * np.array(axis)) * square) @ normal
                     for share in (-2.0, -1.0, 1.0, 2.0)
