@@ -89,7 +89,8 @@ class Source:
         """
         try:
             # float() also takes "1_000" and other digits than 0-9, which no program writes.
-            value = float(text) if text.isascii() and "_" not in text else math.nan
+            plain = text.replace("−", "-")  # as plumbline's own tables print it
+            value = float(plain) if plain.isascii() and "_" not in plain else math.nan
         except ValueError:
             raise self.error(
                 f"{shown(text)} stands where {what} belongs", line, "correct or remove this row"

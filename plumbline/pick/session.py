@@ -25,6 +25,8 @@ from plumbline.pick.photos import LoadedPhoto
 from plumbline.pick.saving import Keeper
 from plumbline.pick.telling import told
 
+_LONGEST_S = 15.0
+"""Seconds that work in hand gets when the session ends: chosen, compiling takes five."""
 _WATCH_S = 2.0
 """Seconds between looks at the photos on disk, and between tries to save what is not saved."""
 
@@ -75,12 +77,13 @@ class Session:
         self._mender = ThreadPoolExecutor(1, "mend")
         self._judge = Judge(self._judged)
         self._stopped = threading.Event()
+        self._at_work: list[threading.Thread] = []
 
     def begin(self) -> None:
         """Load photos, make programs ready and fit, all in the background."""
-        threading.Thread(target=self._load, daemon=True).start()
-        threading.Thread(target=self._ready, daemon=True).start()
-        threading.Thread(target=self._watch, daemon=True).start()
+        for work in (self._load, self._ready, self._watch):
+            self._at_work.append(threading.Thread(target=work, daemon=True))
+            self._at_work[-1].start()
 
     def end(self) -> None:
         """Save what is not saved, and stop."""
@@ -94,6 +97,8 @@ class Session:
         self._guesser.shutdown(wait=False)
         self._mender.shutdown(wait=False, cancel_futures=True)
         self.keeper.close()
+        for thread in self._at_work:  # Python must not end while one is inside a C library
+            thread.join(_LONGEST_S)
 
     @property
     def lens(self) -> Lens | None:

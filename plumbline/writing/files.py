@@ -8,7 +8,14 @@ from pathlib import Path
 from typing import Any
 
 from plumbline.errors import OptionError
-from plumbline.files import RESULT, ZOOM, read_bytes, refuse_to_clobber, write_atomically
+from plumbline.files import (
+    RESULT,
+    ZOOM,
+    as_path,
+    read_bytes,
+    refuse_to_clobber,
+    write_atomically,
+)
 from plumbline.formats.base import Source
 from plumbline.formats.known import FORMATS
 from plumbline.lenses.stored import StoredLens
@@ -141,7 +148,7 @@ def write_export(
     """Write a calibrated lens for another program.
 
     Args:
-        result: A result JSON, a project with lens values or a Hugin lens file.
+        result: The file of a result (JSON), of a project with lens values, or a Hugin lens file.
         to: What to write, as `plumbline export --to` names it.
         path: Where to; beside the result by default.
         image: Which of several lenses of the file, counted from 0.
@@ -156,8 +163,8 @@ def write_export(
         PlumblineError: the result is damaged, the target cannot hold its lens, or the file
             cannot be written.
     """
-    place = None if path is None else Path(path)
-    exported = export_file(str(result), to, place, image, facts, force=force)
+    place = None if path is None else as_path(path)
+    exported = export_file(str(as_path(result)), to, place, image, facts, force=force)
     refuse_to_clobber(exported.path, [str(result)], overwrite=overwrite)
     write_atomically({exported.path: exported.content})
     return exported

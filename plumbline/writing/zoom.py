@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 
 from plumbline._version import __version__
-from plumbline.errors import UnsupportedModelError
+from plumbline.errors import OptionError, UnsupportedModelError
 from plumbline.files import (
     MARK,
     RESULT,
     ZOOM,
+    is_same,
     read_bytes,
     refuse_to_clobber,
     refuse_unknown_suffix,
@@ -64,7 +65,12 @@ def read_zoom_lens(
         PlumblineError: a file is damaged, or the calibrations do not belong together.
     """
     calibrations: list[tuple[str, Calibration]] = []
-    for path in dict.fromkeys(paths):
+    for index, path in enumerate(paths):
+        if any(is_same(Path(path), other) for other in paths[:index]):
+            raise OptionError(
+                f"{path}: this file is named twice, and its calibrations would count twice",
+                hint="name each file once",
+            )
         source = Source(path, read_bytes(path))
         if f'"{ZOOM}"' in source.head[:1024]:
             raise source.error(

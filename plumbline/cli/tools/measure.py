@@ -59,7 +59,7 @@ def _picks(path: str | None, found: Rectification) -> dict[str, tuple[float, flo
     if len(outside):
         names = listed([matches.names[index] for index in outside])
         raise OptionError(
-            f"{path}: {names} lie outside of the photo of {frame.width}x{frame.height} pixels",
+            f"{path}: outside of the photo are {names}: it has {frame.width}x{frame.height} pixels",
             hint="give pixels of the photo that was rectified",
         )
     points: dict[str, tuple[float, float]] = {}

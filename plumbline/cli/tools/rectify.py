@@ -111,7 +111,7 @@ def _extent(text: str) -> Shown | Extent:
     if text in ("points", "photo"):
         return text
     try:
-        left, bottom, right, top = (float(part) for part in text.split(","))
+        left, bottom, right, top = (float(part) for part in text.replace("−", "-").split(","))
     except ValueError:
         raise OptionError(
             f"--extent {text} is neither points, photo nor four numbers",

@@ -13,7 +13,7 @@ from typing import Any
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image, JpegImagePlugin
+from PIL import Image, JpegImagePlugin, UnidentifiedImageError
 
 from plumbline.errors import ReadError
 from plumbline.photos.files import jpeg, png
@@ -103,6 +103,8 @@ def decode(data: bytes, path: str | Path) -> Picture:
         ) from None
     except MemoryError:
         raise ReadError("the picture does not fit into memory", path=path) from None
+    except UnidentifiedImageError:
+        raise ReadError("this is not a picture that can be read", path=path, hint=_HINT) from None
     except (OSError, cv2.error, *_DAMAGE) as error:
         reason = "" if isinstance(error, cv2.error) else f": {error}"
         raise ReadError(

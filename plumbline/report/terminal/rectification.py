@@ -51,8 +51,8 @@ def print_rectification(console: Console, found: Rectification) -> None:
         x, y = advice.place_m
         _print(
             console,
-            f"→ {_plain(advice.what)}: the error at {x:.1f}, {y:.1f} falls from "
-            f"{_metres(advice.now_m)} to {_metres(advice.then_m)}, a pick's own left out",
+            f"→ {_plain(advice.what)}: the error at {number(x, '.1f')}, {number(y, '.1f')} falls "
+            f"from {_metres(advice.now_m)} to {_metres(advice.then_m)}, a pick's own left out",
         )
     told_by = "; ".join(f"{each.what} {each.value}" for each in told.settings)
     _print(console, f"Standard errors: {_plain(told_by)}")
@@ -142,7 +142,7 @@ def _budget(found: Rectification) -> Table:
     table = Table(box=box.SIMPLE, pad_edge=False, title=title, title_justify="left")
     table.add_column("at X, Y")
     for x, y in places:
-        table.add_column(f"{x:.1f}, {y:.1f}", justify="right", no_wrap=True)
+        table.add_column(f"{number(x, '.1f')}, {number(y, '.1f')}", justify="right", no_wrap=True)
     shares = [found.budget(pick) for pick in picks]
     sure = found.covariances(picks)
     table.add_row("standard error", *(f"{_root(each):.3f}" for each in sure))
