@@ -196,10 +196,10 @@ def _rival(guide: Guide, curve: Curve) -> Rival:
 
 
 def _elsewhere(chosen: Curve, others: Sequence[Curve]) -> list[Curve]:
-    """Curves that stay apart from a chosen one and from each other."""
+    """Curves that part from a chosen one and from each other; they may fork from it."""
     kept = [chosen]
     for other in others:
-        if np.min(np.abs(apart(other, kept))) > 0.5 * SAME_PX:
+        if np.min(np.max(np.abs(apart(other, kept)), axis=-1)) > SAME_PX:
             kept.append(other)
     return kept[1:]
 

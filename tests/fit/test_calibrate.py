@@ -236,7 +236,7 @@ def test_the_files_values_are_taken_on_demand_alone() -> None:
     from_zero, from_file = calibrate(obs), calibrate(obs, start="file")
     assert from_zero.start == {"a": 0.0, "b": 0.0, "c": 0.0, "d": 12.25, "e": -8.75}
     assert from_file.start == {name: STORED[name] for name in "abcde"}
-    assert any("not used: the file's a = 0.011, b = -0.045, c = 0.02" in n for n in from_zero.notes)
+    assert any("not used: the file's a = 0.011, b = −0.045, c = 0.02" in n for n in from_zero.notes)
     assert not any("not used" in note for note in from_file.notes)
     for made in (from_zero, from_file):
         assert (made.coefficients["d"], made.coefficients["e"]) == (12.25, -8.75)

@@ -62,13 +62,15 @@ def test_lines_without_points_are_no_trouble() -> None:
     assert lines.spread.tolist() == [0, 0, 0]
 
 
-def test_straightness_before_counts_square_pixels() -> None:
+def test_straightness_before_counts_the_photographs_own_pixels() -> None:
     picks = [scattered(3), scattered(4)]
     obs = Observations.from_arrays(picks, (1400, 800), pixel_aspect=1.3)
     for found, points in zip(straightness_before(obs), picks, strict=True):
         square = points * (1.3, 1.0)
         centred = square - square.mean(axis=0)
-        expected = centred @ np.linalg.svd(centred)[2][1]
+        normal = np.linalg.svd(centred)[2][1]
+        # Along its normal a pixel is hypot(1.3 nx, ny) high.
+        expected = centred @ normal / np.hypot(*(normal * (1.3, 1.0)))
         np.testing.assert_allclose(np.abs(found), np.abs(expected), atol=1e-9)
 
 

@@ -83,7 +83,7 @@ def test_the_coolpix_995_is_found_by_exif_alone() -> None:
     shot = read_photo(real("nikon_e995_8.2mm.jpg"))
     found = find_correction(shot, LensRequest())
     assert "E995 & compatibles (Standard)" in found.description
-    assert "k1 = -0.019966" in found.description
+    assert "k1 = −0.019966" in found.description
     corner = found.distort(np.array([0.0, 0.0]))
     # r_obs = r (1 − k1 + k1 r²) with r = 5/3 half short sides at the corner of a 4:3 photo,
     # but for half a pixel.
@@ -416,9 +416,9 @@ def test_the_user_s_own_files_of_lensfun_come_first(tmp_path: Path) -> None:
 
 def test_an_edited_file_is_read_again(xml: str) -> None:
     request = LensRequest(source=xml, lens_name="Prime 35mm", focal_mm=35)
-    assert "k1 = -0.01," in look_up(facts(), request).profile.description
+    assert "k1 = −0.01," in look_up(facts(), request).profile.description
     Path(xml).write_text(XML.replace('k1="-0.01"', 'k1="-0.0234"'))
-    assert "k1 = -0.0234," in look_up(facts(), request).profile.description
+    assert "k1 = −0.0234," in look_up(facts(), request).profile.description
 
 
 def test_like_is_never_left_aside_silently(xml: str, tmp_path: Path) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, contextmanager
-from copy import copy
 from typing import TYPE_CHECKING
 
 import click
@@ -62,7 +61,8 @@ def name_the_source(error: PlumblineError, part: Observations, n_parts: int) -> 
     files = listed(list(dict.fromkeys(origin.path for origin in part.origins)), 3)
     if not message.startswith(files):
         message = f"{files}: {message}"
-    told = copy(error)
+    told = type(error).__new__(type(error))  # `copy` may share the attributes once Dask is loaded
+    told.__dict__.update(error.__dict__)
     told.message, told.args = message, (message,)
     return told
 
