@@ -151,13 +151,15 @@ def test_from_a_photo_to_a_profile(drive: Drive, photo: Path) -> None:
         written = driven.page.locator("#sheet li code").all_inner_texts()
         assert written == ["facade.fit.pto", "facade.fit.xml", "facade.fit.html"]
         assert all((photo.parent / name).stat().st_size for name in written)
-        assert "written as Generic; give it below" in driven.text("#sheet")
+        assert driven.text("#sheet").count("Pincushion distortion: +6.") == 1
+        assert (
+            "Generic" not in photo.with_suffix(".fit.xml").read_text()
+        )  # LensFun knows the camera
         driven.page.get_by_label("Mount").fill("Nikon F AF")
         driven.page.get_by_role("button", name="Write again").click()
-        again = driven.page.locator("#sheet", has_not_text="Generic").locator("li code")
-        again.first.wait_for(timeout=180_000)
-        profile = photo.with_suffix(".fit.xml").read_text()
-        assert "<mount>Nikon F AF</mount>" in profile
+        target = photo.with_suffix(".fit.xml")
+        while "<mount>Nikon F AF</mount>" not in (profile := target.read_text()):
+            driven.page.wait_for_timeout(200)  # the test's own limit of time ends it
         values = {n: float(v) for n, v in re.findall(r' ([abc])="([^"]+)"', profile)}
         assert off_truth_px(values) < WITHIN_PX
         assert driven.complaints == []
@@ -394,7 +396,7 @@ def test_controls_have_names_and_the_result_is_spoken(drive: Drive, picked: Serv
 def test_views_show_what_they_say(drive: Drive, picked: Served) -> None:
     """Photo, map, corrected photo and dark page, by their pixels."""
     driven = drive(picked, color_scheme="dark")
-    driven.page.wait_for_selector("#next:not(:empty)")
+    driven.page.wait_for_selector("#stage[data-judged]:not([data-judged=''])")
     driven.press("l", "w", "x")
     plain = shot(driven)
     assert np.median(plain[60:, 1000:]) < 60  # the panel is dark
