@@ -481,7 +481,7 @@ def weak(seed: int) -> Observations:
     return Observations.from_arrays(seen, (640, 480))
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(2))
 def test_brown_with_everything_free_is_refused_on_weak_lines(seed: int) -> None:
     everything = (*MODELS["brown"].coefficients, *CENTRE)
     with pytest.raises(DegenerateLinesError):
