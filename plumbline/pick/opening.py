@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -53,14 +54,13 @@ def open_session(sources: Sequence[str], labels: Mapping[str, Any]) -> Session:
         )
     _refuse_many(photos, points)
     keeper = Keeper(picks_beside(photos[0].path))
-    try:
+    with ExitStack() as undo:
+        undo.callback(keeper.close)
         document, notes = _document(keeper, photos, labels)
         for path in points:
             document = _taken(document, path, photos)
         keeper.write(document)
-    except BaseException:
-        keeper.close()
-        raise
+        undo.pop_all()  # from here on the session holds the picks
     return Session(document, photos, keeper, Tracer(photos), notes)
 
 

@@ -183,6 +183,8 @@ def report_contents(
         ReadError: the photograph cannot be read.
         UnsettledError: a fit did not reach a minimum.
     """
+    from plumbline.report.figures import Subject
+
     found = find_photos(calibrations, photo, None if source is None else Path(source))
     shown = [str(p.path) for each in found for p in each.pictures if p is not None]
     refuse_targets(calibrations, report, plots, [*shown, source, photo], overwrite=overwrite)
@@ -196,8 +198,6 @@ def report_contents(
             Assignment(case, examiner),
         )
     for plot in plots:
-        from plumbline.report.figures import Subject
-
         for target, lens, index in _targets(Path(plot), calibrations):
             subject = Subject(calibrations[lens], index, found[lens].pictures[index])
             contents[target] = figure_bytes(subject, target)
